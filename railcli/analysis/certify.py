@@ -1,0 +1,158 @@
+"""The certificate of a contact table: its look-up against direct minimisation at random poses."""
+
+import numpy as np
+
+from railcli.kernels.contact import look_up
+from railcli.kernels.difference import locus, minima, slope_difference, wheel_axes
+from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, Region
+from railcli.model.contact_table import mount
+
+POSES = 20_000
+LOADED = 0.1e-3  # branches within this of the deepest count as loaded, and the wheel is pressed in by it [m]
+FINE = 0.1e-3  # stations of the direct search along the locus [m]
+SEED = 20260101
+QUANTITIES = ("gap_um", "position_mm", "angle_mrad", "radius_um")
+MISSED_BARRIER = 1.0e-6  # minima that a shallower saddle parts from a deeper one are one contact [m]
+
+
+def random_poses(settings, count, seed=SEED):
+    """Poses uniform in y, roll and yaw (both signs) over the whole table, shape (count, 3)."""
+    random = np.random.default_rng(seed)
+    half = np.array([settings.y_range, settings.roll_range, settings.yaw_range]) * (1.0 - 1e-9)
+    return random.uniform(-half, half, (count, 3))
+
+
+def direct_contacts(mounting, pose, station):
+    """Contact points of one pose by the closed-form locus on fine stations.
+
+    Returns
+    -------
+    array (n, 5)
+        s [m], D [m], contact angle [rad], radius [m], lower of its two barriers [m].
+    """
+    y, roll, yaw = pose
+    e, f, d = wheel_axes(roll, yaw)
+    arguments = mounting.kernel_arguments
+    found = np.zeros((16, 6))
+    scratch = np.empty((station.size, 3))
+    total, _ = minima(
+        1, y, e, f, d, *arguments, station, scratch, scratch, scratch,
+        np.empty(station.size), np.empty(station.size), found,
+    )  # fmt: skip
+    rows = []
+    for s, gap, gauge, field, *_ in found[: min(total, 16)]:
+        _, _, slope = slope_difference(s, y, e, f, d, *arguments)
+        radius = locus(s, e, f, d, mounting.radius, mounting.wheel, mounting.wheel_start, mounting.wheel_step)[3]
+        rows.append((s, gap, -np.arctan(slope), radius, min(gauge, field) - gap))
+    return np.array(rows).reshape(-1, 5)
+
+
+def near_end(table, record, pose, lateral):
+    """True when the branch at profile coordinate `lateral` ends in the pose's cell or in a cell that adjoins it."""
+    counts = np.array([record["y_count"], record["roll_count"], record["yaw2_count"]]) - 1
+    place = np.array(
+        [
+            (pose[0] - record["y_start"]) / record["y_step"],
+            (pose[1] - record["roll_start"]) / record["roll_step"],
+            pose[2] ** 2 / record["yaw2_step"],
+        ]
+    )
+    centre = np.minimum(place.astype(int), counts - 1)
+    for shift in ((0, 0, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+        iy, ir, iw = centre + shift
+        if not (0 <= iy < counts[0] and 0 <= ir < counts[1] and 0 <= iw < counts[2]):
+            continue
+        cell = (ir * counts[2] + iw) * counts[0] + iy
+        rows = table.branch[table.cell[cell] : table.cell[cell + 1]]
+        if rows.shape[0] == 0:
+            return True
+        means = [table.node[row[row >= 0], Node.LATERAL].mean() for row in rows]
+        if (rows[int(np.argmin(np.abs(np.array(means) - lateral)))] < 0).any():
+            return True
+    return False
+
+
+def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
+    """Measure the error of table look-up against direct minimisation.
+
+    Returns
+    -------
+    dict
+        `poses`, `branches` compared, `near_end_share` (within one cell of a branch's end: counted apart and left out
+        of the errors), `missed` loaded contacts and `invented` ones outside such cells, for every quantity
+        (gap_um, position_mm, angle_mrad, radius_um) p99, p99.9, max and where the worst is, and the p99 per region;
+        without the quantities when there was nothing to compare.
+    """
+    mounting = mount(wheel, rail, table.settings)
+    low = mounting.wheel_start
+    station = np.arange(low, low + mounting.wheel_step * (mounting.wheel.shape[0] - 1), FINE)
+    record = table.record[0]
+    sample = np.zeros((MAX_CONTACT, NODE_CHANNELS))
+    errors, regions, where = [], [], []
+    apart = missed = invented = 0
+    for number, pose in enumerate(random_poses(table.settings, poses, seed)):
+        mirror = np.array([pose[0], pose[1], abs(pose[2])])
+        truth = direct_contacts(mounting, mirror, station)
+        depth = truth[:, 1].min() + LOADED
+        truth = truth[(truth[:, 1] < depth) & (truth[:, 4] > MISSED_BARRIER)]
+        count = look_up(record, table.node, table.cell, table.branch, *pose, depth, sample)
+        looked = sample[:count].copy()
+        taken = np.zeros(count, bool)
+        for s, gap, angle, radius, _ in truth:
+            free = np.flatnonzero(~taken)
+            if near_end(table, record, mirror, s):
+                apart += 1
+                if free.size:
+                    taken[free[np.argmin(np.abs(looked[free, Node.LATERAL] - s))]] = True
+                continue
+            if free.size == 0:
+                missed += 1
+                continue
+            j = free[np.argmin(np.abs(looked[free, Node.LATERAL] - s))]
+            taken[j] = True
+            row = looked[j]
+            errors.append(
+                (
+                    abs(depth - row[Node.GAP] - gap) * 1e6,
+                    abs(row[Node.LATERAL] - s) * 1e3,
+                    abs(-np.arctan(row[Node.SLOPE]) - angle) * 1e3,
+                    abs(row[Node.RADIUS] - radius) * 1e6,
+                )
+            )
+            regions.append(round(row[Node.REGION]))
+            where.append(pose)
+        for j in np.flatnonzero(~taken):
+            if looked[j, Node.GAP] > 1e-6 and not near_end(table, record, mirror, looked[j, Node.LATERAL]):
+                invented += 1
+        if progress and number % 200 == 0:
+            progress(number / poses)
+    errors, regions, where = np.array(errors), np.array(regions), np.array(where)
+    certificate = {
+        "poses": poses,
+        "seed": seed,
+        "branches": int(errors.shape[0]),
+        "near_end_share": apart / max(apart + errors.shape[0], 1),
+        "missed": missed,
+        "invented": invented,
+    }
+    if not errors.size:
+        return certificate
+    for k, name in enumerate(QUANTITIES):
+        column = errors[:, k]
+        worst = int(np.argmax(column))
+        certificate[name] = {
+            "p99": float(np.quantile(column, 0.99)),
+            "p999": float(np.quantile(column, 0.999)),
+            "max": float(column[worst]),
+            "worst_at": {
+                "y_mm": float(where[worst, 0] * 1e3),
+                "roll_mrad": float(where[worst, 1] * 1e3),
+                "yaw_mrad": float(where[worst, 2] * 1e3),
+            },
+            "p99_by_region": {
+                region.name.lower(): float(np.quantile(column[regions == region], 0.99))
+                for region in Region
+                if (regions == region).any()
+            },
+        }
+    return certificate

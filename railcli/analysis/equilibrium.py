@@ -1,0 +1,227 @@
+"""Equilibrium by Newton's method: at rest on straight track, and running steadily in a constant curve.
+
+The unknowns of a steady motion are the coordinates of every body that do not grow (y, z, roll, yaw; pitch but for
+wheelsets), the places of the bodies along the track against the first, the spin of the wheelsets and the one speed of
+all bodies; the equations are all accelerations of the compiled model, 6 per body (theory.md section 9).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railcli.errors import SimulationError
+from railcli.kernels.body import own_axes, sines
+from railcli.kernels.contact import look_up
+from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, freeze
+from railcli.kernels.step import evaluate
+from railcli.model.track import constant_track, pack
+
+SETTLED = 1e9  # half step for which dampers with series stiffness carry no force [s]
+PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
+TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]
+ITERATIONS = 60
+PRESSED = 0.1e-3  # penetration to begin with [m]
+SHORTEST_STRIDE = 1e-3  # of the way from straight track to the curve
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A solved equilibrium.
+
+    Attributes
+    ----------
+    data : Data
+        The core's data there, forces included.
+    residual : float
+        Largest acceleration left [m/s^2, rad/s^2].
+    iterations : int
+    """
+
+    data: object
+    residual: float
+    iterations: int
+
+
+class _Steady:
+    """Unknowns of a steady motion and the accelerations that belong to them."""
+
+    def __init__(self, system, model, speed, s):
+        self.model, self.s = model, s
+        self.data = system.start(s)
+        self.rest = system.rest
+        self.damper = system.damper
+        spins = model.body["spins"].astype(bool)
+        n = spins.size
+        coordinate = np.zeros((n, 6), bool)
+        coordinate[:, [1, 2, 3, 5]] = True
+        coordinate[~spins, 4] = True
+        coordinate[1:, 0] = True
+        self.coordinate = coordinate
+        self.spins = spins
+        self.moving = speed > 0.0
+        rate = np.zeros(n) if not self.moving else np.where(spins, 1.0, 0.0)
+        self.n_q = int(coordinate.sum())
+        self.n_spin = int(rate.sum())
+        self.size = self.n_q + self.n_spin + (1 if self.moving else 0)
+        self.scale = np.concatenate(
+            [np.full(self.n_q, 1.0), np.full(self.n_spin, 100.0), np.full(self.size - self.n_q - self.n_spin, 100.0)]
+        )
+
+    def first_guess(self, speed):
+        x = np.zeros(self.size)
+        q = self.rest.copy()
+        q[:, 2] += touching_depth(self.model) + PRESSED
+        x[: self.n_q] = q[self.coordinate]
+        if self.moving:
+            radius = {wheel["body"]: wheel["radius"] for wheel in self.model.wheel}
+            x[self.n_q : -1] = [-speed / radius[i] for i in np.flatnonzero(self.spins)]
+            x[-1] = speed
+        return x
+
+    def place(self, x, turning):
+        """Write the motion x into data; turning : rotation of the track frame per metre [1/m]."""
+        data = self.data
+        q = np.zeros_like(data.q)
+        q[self.coordinate] = x[: self.n_q]
+        q[0, 0] = 0.0
+        q[:, 0] += self.s
+        data.q[:] = q
+        data.v[:] = 0.0
+        data.dv[:] = 0.0
+        if not self.moving:
+            return
+        speed, spin = x[-1], iter(x[self.n_q : -1])
+        for i in range(q.shape[0]):
+            _, y, z, roll, pitch, yaw = q[i]
+            kx, ky, kz = turning
+            axes = np.array(own_axes(*sines(roll, pitch, yaw, self.spins[i])))
+            data.v[i, :3] = speed * (1.0 + ky * z - kz * y), -speed * kx * z, speed * kx * y
+            data.v[i, 3:] = speed * (axes.T @ np.array(turning))
+            if self.spins[i]:
+                data.v[i, 4] += next(spin)
+
+    def accelerations(self, x, turning):
+        self.place(x, turning)
+        status = evaluate(self.model, self.data, SETTLED)
+        if status != 0:
+            return None, status
+        return self.data.dv.ravel().copy(), 0
+
+
+def touching_depth(model):
+    """How far the first wheel must sink from nominal, centred and upright, until it touches its rail [m]."""
+    deep = 5e-3
+    sample = np.zeros((MAX_CONTACT, NODE_CHANNELS))
+    wheel = model.wheel[0]
+    table = model.table[wheel["table"]]
+    if look_up(table, model.node, model.cell, model.branch, 0.0, 0.0, 0.0, deep, sample) < 1:
+        raise SimulationError("a centred wheel does not touch its rail within 5 mm of its nominal height")
+    return deep - sample[:, Node.GAP].max()
+
+
+def _newton(motion, x, turning):
+    """Damped Newton; the least-norm step leaves free what no force decides. Returns x, residual, iterations."""
+    r, status = motion.accelerations(x, turning)
+    if r is None:
+        return x, np.inf, 0
+    for iteration in range(1, ITERATIONS + 1):
+        size = np.abs(r).max()
+        if size < TOLERANCE:
+            return x, size, iteration - 1
+        jacobian = np.empty((r.size, x.size))
+        for k in range(x.size):
+            probe = x.copy()
+            probe[k] += PROBE * motion.scale[k]
+            other, status = motion.accelerations(probe, turning)
+            if other is None:
+                return x, np.inf, iteration
+            jacobian[:, k] = (other - r) / PROBE
+        move = np.linalg.lstsq(jacobian, -r, rcond=1e-12)[0] * motion.scale
+        share = 1.0
+        while share > 1e-3:
+            after, _ = motion.accelerations(x + share * move, turning)
+            if after is not None and np.linalg.norm(after) < (1.0 - 0.1 * share) * np.linalg.norm(r):
+                break
+            share *= 0.5
+        else:
+            return x, size, iteration
+        x, r = x + share * move, after
+    return x, np.abs(r).max(), ITERATIONS
+
+
+def _finish(motion, x, turning, residual, iterations):
+    motion.accelerations(x, turning)
+    return Equilibrium(motion.data, float(residual), iterations)
+
+
+def static(system):
+    """The vehicle at rest on straight level track.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    SimulationError
+        No equilibrium was found.
+    """
+    param = system.model.param.copy()
+    param["speed"] = 0.0
+    model = freeze(system.model._replace(param=param, track=pack(constant_track(0.0, 0.0))))
+    motion = _Steady(system, model, 0.0, 0.0)
+    x, residual, iterations = _newton(motion, motion.first_guess(0.0), (0.0, 0.0, 0.0))
+    if not residual < TOLERANCE:
+        raise SimulationError(f"no static equilibrium found: an acceleration of {residual:.2g} m/s^2 stays")
+    return _finish(motion, x, (0.0, 0.0, 0.0), residual, iterations)
+
+
+def steady(system, curvature, cant, speed=None):
+    """Quasi-static curving: the steady motion at constant speed in a constant curve.
+
+    Found by Newton's method while curvature and cant grow together from straight track, in steps that shrink where
+    the method fails.
+
+    Parameters
+    ----------
+    system : System
+    curvature : float
+        Positive in a right-hand curve [1/m].
+    cant : float
+        Height of the left over the right rail [m].
+    speed : float, optional
+        Asked for [m/s]; the system's own when absent.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    SimulationError
+        No steady motion was found: there is none, or it is not smooth there.
+    """
+    speed = system.speed if speed is None else speed
+    param = system.model.param.copy()
+    param["speed"] = speed
+    base = param[0]["cant_base"]
+    done, stride, x, total = 0.0, 0.25, None, 0
+    while done < 1.0:
+        share = min(done + stride, 1.0)
+        track = pack(constant_track(share * curvature, share * cant))
+        motion = _Steady(system, freeze(system.model._replace(param=param, track=track)), speed, 0.0)
+        sine = share * cant / base
+        turning = (0.0, share * curvature * sine, share * curvature * np.sqrt(1.0 - sine**2))
+        guess = motion.first_guess(speed) if x is None else x
+        after, residual, iterations = _newton(motion, guess, turning)
+        total += iterations
+        if residual < TOLERANCE:
+            x, done, stride = after, share, 1.5 * stride
+            continue
+        stride *= 0.5
+        if stride < SHORTEST_STRIDE:
+            raise SimulationError(
+                f"no steady motion found at {speed:g} m/s, curvature {share * curvature:.3g} 1/m, cant "
+                f"{share * cant * 1e3:.3g} mm: an acceleration of {residual:.2g} m/s^2 stays"
+            )
+    return _finish(motion, x, turning, residual, total)

@@ -1,0 +1,53 @@
+"""Compile the kernels, or read them from the cache, before they are needed."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numba
+
+from railcli.kernels import jit, step
+
+from .build_table import build_table
+from .certify import certify
+
+CORE = (step.advance, step.record, step.evaluate)
+LAST_OF_TABLES = "tabulate.link_cells"  # the last function that a table needs
+
+
+def warm(announce=None):
+    """Make the entry functions of the core ready.
+
+    Parameters
+    ----------
+    announce : callable, optional
+        Called with a sentence when this compiles, which takes some ten seconds once for each version of the kernels.
+    """
+    if announce and not all(_is_kept(f"step.{entry.__name__}") for entry in CORE):
+        announce("Compiling the core (once for this version and machine, up to 30 s) ...")
+    for entry in CORE:
+        entry.compiled()
+    jit.forget_old_code()
+
+
+def warm_tables(wheel, rail, settings, announce=None):
+    """Make the kernels ready that build and certify a contact table, by building a tiny one.
+
+    Parameters
+    ----------
+    wheel, rail : Profile
+    settings : TableSettings
+        Of the table to come; what does not fit is found out here.
+    announce : callable, optional
+        As in `warm`.
+    """
+    if announce and not _is_kept(LAST_OF_TABLES):
+        announce("Compiling the kernels of contact tables (once for this version and machine, up to 20 s) ...")
+    tiny = replace(
+        settings, y_range=1e-3, y_step=1e-3, roll_range=1e-3, roll_step=1e-3, yaw_range=1e-3, yaw_count=2
+    )
+    certify(build_table(wheel, rail, tiny)[0], wheel, rail, poses=1)
+
+
+def _is_kept(name):
+    """True when compiled code of a function is kept for these sources."""
+    return any(Path(numba.config.CACHE_DIR).rglob(f"{name}-*.nbc"))

@@ -1,0 +1,36 @@
+"""What railcli raises for its users; each class carries the exit code of the command that ends with it."""
+
+
+class RailcliError(Exception):
+    """Anything railcli reports in one line instead of a traceback."""
+
+    exit_code = 1
+
+
+class InputError(RailcliError):
+    """Something the user gave (file, option, output place) cannot be used.
+
+    Parameters
+    ----------
+    where : str
+        File and key, or option, that is wrong.
+    message : str
+        What was found, what is allowed and, if possible, what to do.
+    """
+
+    exit_code = 2
+
+    def __init__(self, where, message):
+        super().__init__(f"{where}: {message}")
+
+
+class SimulationError(RailcliError):
+    """A run ended before its time; what was computed until then is kept."""
+
+    exit_code = 3
+
+
+class CheckError(RailcliError):
+    """A comparison or a ``--check`` found a difference beyond its tolerance."""
+
+    exit_code = 4

@@ -1,0 +1,312 @@
+"""Profiles of rails and wheels: bundled ones by name, others from text files.
+
+A file has two columns, y and z, or three with the tangent angle atan2(dz, dy) in radian; separated by comma, semicolon,
+blanks or tabs. Lines that start with ``#``, ``!`` or ``%`` are comments. One line before the data may name the columns
+(`y_mm` or `y_m`, `z_mm` or `z_m`, `angle_rad`); otherwise y and z are in mm. Axes as in `railcli.model.profile`: y to
+the field side, z down. Points may run either way along the curve. Nothing is repaired: what does not fit is an error,
+except that a point which repeats the one before it exactly is passed over.
+"""
+
+import difflib
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+
+from railcli.errors import InputError
+from railcli.files.resources import resource
+from railcli.model.profile import Profile
+
+BUNDLED = {
+    "UIC60": ("rail", "profiles/UIC60/UIC60.csv"),
+    "60E1": ("rail", "profiles/UIC60/60E1.csv"),
+    "ORES1002": ("wheel", "profiles/ORES1002/ORES1002.csv"),
+}
+LARGEST_FILE_MB = 10
+FEWEST_POINTS, MOST_POINTS = 10, 20_000
+WIDTH_MM = {"rail": (57.0, 87.0), "wheel": (60.0, 200.0)}  # a rail's head: 72 mm +- 15 mm
+CURVE_MM = (5.0, 500.0)  # length of the curve
+BACK_MM = 0.02  # a step back in y that passes as noise of a measurement
+OVERHANG = 3.0  # |dz| / |dy| from which a step back in y passes as a face that overhangs
+SHARPEST_TURN = math.radians(120.0)  # between neighbouring chords
+FLANGE_MM = (15.0, 45.0)  # flange height
+TIP_MM = (-70.0, -35.0)  # y of the flange tip
+TAPE_MM = 0.5  # |z| of a wheel at the tape circle
+ANGLE_OFF = 0.5  # tangent angle against the chords on both sides [rad]
+UNITS = {"mm": 1.0, "inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 0.001}  # in mm
+COLUMNS = {"y_mm": ("y", 1.0), "z_mm": ("z", 1.0), "y_m": ("y", 1e3), "z_m": ("z", 1e3), "angle_rad": ("angle", 1.0)}
+WITHOUT_HEADER = ("y_mm", "z_mm", "angle_rad")
+PAIRS_AT_ONCE = 1_000_000
+
+
+def load_profile(name_or_path, kind):
+    """The profile of a bundled name (upper or lower case) or of a file, checked.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        `UIC60`, `60E1`, `ORES1002`, or a file as the module describes.
+    kind : "rail" or "wheel"
+
+    Raises
+    ------
+    InputError
+        In one line: file and line, what was found, what is allowed, what to do.
+    """
+    given = os.fspath(name_or_path)
+    name = {bundled.lower(): bundled for bundled in BUNDLED}.get(given.lower())
+    if name is None:
+        return _read(Path(given), Path(given).stem, kind)
+    if BUNDLED[name][0] != kind:
+        raise InputError(name, f"this is a {BUNDLED[name][0]} profile, but a {kind} is needed: give {_choices(kind)}")
+    return _read(resource(BUNDLED[name][1]), name, kind)
+
+
+def _choices(kind):
+    return ", ".join(name for name, (of, _) in BUNDLED.items() if of == kind) + " or a file"
+
+
+def _read(path, name, kind):
+    table, lines = _table(_text(path, kind), path)
+    y, z = table["y"], table["z"]
+    angle = table.get("angle")
+    if y[-1] < y[0]:
+        y, z, lines = y[::-1], z[::-1], lines[::-1]
+        angle = None if angle is None else np.remainder(angle[::-1], 2.0 * math.pi) - math.pi
+    _check_width(path, kind, y, table["unit_mm"])
+    _check_course(path, y, z, lines)
+    {"rail": _check_rail, "wheel": _check_wheel}[kind](path, y, z)
+    if angle is not None:
+        _check_angle(path, y, z, angle, lines)
+    return Profile.from_points(name, kind, y / 1e3, z / 1e3, angle)
+
+
+def _text(path, kind):
+    try:
+        if path.is_dir():
+            raise InputError(path, f"this is a folder; give {_choices(kind)}")
+        if not path.exists():
+            known = {name.lower(): name for name, (of, _) in BUNDLED.items() if of == kind}
+            near = difflib.get_close_matches(path.name.lower(), known, n=1)
+            hint = f"did you mean {known[near[0]]}?" if near else f"give {_choices(kind)}"
+            raise InputError(path, f"there is no such file or bundled {kind} profile; {hint}")
+        if not path.is_file():
+            raise InputError(path, f"this is not a regular file; give {_choices(kind)}")
+        size = path.stat().st_size
+        if size > LARGEST_FILE_MB * 1e6:
+            raise InputError(path, f"{size / 1e6:.1f} MB; a profile file may have at most {LARGEST_FILE_MB} MB")
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror or error}") from error
+    strange = set(data) & (set(range(32)) - set(b"\t\n\r\f"))
+    if strange:
+        raise InputError(path, f"this is a binary file (it contains byte {min(strange)}); a text file is needed")
+    return data.decode("utf-8-sig", errors="replace")
+
+
+def _table(text, path):
+    """Columns of the text in mm and rad, the unit of y in mm, and the line number of each point."""
+    columns, rows, lines = None, [], []
+    for number, line in enumerate(text.splitlines(), start=1):
+        line = line.strip()
+        if not line or line[0] in "#!%":
+            continue
+        fields = [field.strip() for field in line.split(";" if ";" in line else "," if "," in line else None)]
+        if columns is None:
+            if not any(_is_number(field) for field in fields):
+                columns = _header(fields, path, number)
+                continue
+            columns = WITHOUT_HEADER[: len(fields)]
+            if len(fields) not in (2, 3):
+                raise InputError(f"{path}, line {number}", f"{len(fields)} columns; needed: y and z, or y, z and angle")
+        if len(fields) != len(columns) or not all(map(_is_number, fields)):
+            raise InputError(
+                f"{path}, line {number}",
+                f"found {line[:60]!r}; {len(columns)} numbers ({', '.join(columns)}) with decimal points are needed",
+            )
+        row = tuple(map(float, fields))
+        if not all(map(math.isfinite, row)):
+            raise InputError(f"{path}, line {number}", f"found {line[:60]!r}; every number must be finite")
+        if rows and row == rows[-1]:
+            continue
+        rows.append(row)
+        lines.append(number)
+        if len(rows) > MOST_POINTS:
+            raise InputError(path, f"more than {MOST_POINTS} points; thin them out")
+    if not rows:
+        raise InputError(path, "the file is empty: it has no points")
+    if len(rows) < FEWEST_POINTS:
+        raise InputError(path, f"only {len(rows)} points; a profile needs at least {FEWEST_POINTS}")
+    units = [COLUMNS[column] for column in columns]
+    table = {name: values * unit for (name, unit), values in zip(units, np.array(rows).T, strict=True)}
+    return table | {"unit_mm": dict(units)["y"]}, np.array(lines)
+
+
+def _is_number(field):
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return True
+
+
+def _header(fields, path, number):
+    columns = tuple(field.strip("\"'").lower() for field in fields)
+    found = sorted(COLUMNS[column][0] for column in columns if column in COLUMNS)
+    if len(found) != len(columns) or found not in (["y", "z"], ["angle", "y", "z"]):
+        raise InputError(
+            f"{path}, line {number}",
+            f"found columns {', '.join(fields)[:60]!r}; allowed: y_mm or y_m, z_mm or z_m, and angle_rad if known",
+        )
+    return columns
+
+
+def _check_width(path, kind, y, unit_mm):
+    low, high = WIDTH_MM[kind]
+    width = np.ptp(y)
+    if low <= width <= high:
+        return
+    raw = width / unit_mm
+    hints = [f"the numbers look like {unit}" for unit, mm in UNITS.items() if mm != unit_mm and low <= raw * mm <= high]
+    hints += [f"is it a {other}?" for other, (a, b) in WIDTH_MM.items() if other != kind and a <= width <= b]
+    hint = f" ({hints[0]})" if hints else ""
+    raise InputError(
+        path,
+        f"y extends over {width:.4g} mm, but a {kind} profile is {low:g} to {high:g} mm wide{hint}; "
+        "give mm, or metres in columns named y_m, z_m",
+    )
+
+
+def _check_course(path, y, z, lines):
+    """The curve runs from one side to the other without turning back or meeting itself."""
+    dy, dz = np.diff(y), np.diff(z)
+    same = np.flatnonzero((dy == 0.0) & (dz == 0.0))
+    if same.size:
+        raise InputError(f"{path}, line {lines[same[0] + 1]}", "the point before is repeated with another angle")
+    furthest = np.maximum.accumulate(y)
+    at = np.maximum.accumulate(np.where(y == furthest, np.arange(y.size), 0))
+    back = furthest - y
+    turned = np.flatnonzero((back > BACK_MM) & (np.abs(z - z[at]) < OVERHANG * back))
+    if turned.size:
+        i = turned[0]
+        raise InputError(
+            f"{path}, line {lines[i]}",
+            f"y goes back from {furthest[i]:.4g} to {y[i]:.4g} mm; points must follow the curve from one side to the "
+            "other: sort them, and cut off what lies below the sides",
+        )
+    direction = np.arctan2(dz, dy)
+    turn = np.abs(np.remainder(np.diff(direction) + math.pi, 2.0 * math.pi) - math.pi)
+    sharp = np.flatnonzero(turn > SHARPEST_TURN)
+    if sharp.size:
+        i = sharp[0]
+        raise InputError(
+            f"{path}, line {lines[i + 1]}",
+            f"the curve turns by {math.degrees(turn[i]):.0f} degrees; at most {math.degrees(SHARPEST_TURN):.0f} are "
+            "allowed between neighbours: remove the points that go back",
+        )
+    length = np.hypot(dy, dz).sum()
+    if not CURVE_MM[0] <= length <= CURVE_MM[1]:
+        raise InputError(path, f"the curve is {length:.4g} mm long; allowed: {CURVE_MM[0]:g} to {CURVE_MM[1]:g} mm")
+    if dy.min() <= 0.0 and (pair := _meeting(y, z)) is not None:
+        i, j = sorted(pair)
+        raise InputError(
+            f"{path}, line {lines[j]}",
+            f"the curve crosses itself: this part meets the part at line {lines[i]}; points must follow the curve",
+        )
+
+
+def _meeting(y, z):
+    """Two segments of the polyline that meet without being neighbours, or None."""
+    order = np.argsort(np.minimum(y[:-1], y[1:]), kind="stable")
+    low, high = np.minimum(y[:-1], y[1:])[order], np.maximum(y[:-1], y[1:])[order]
+    count = np.searchsorted(low, high, side="right") - np.arange(low.size) - 1
+    total = np.cumsum(count)
+    start = 0
+    while start < count.size:
+        stop = max(start + 1, int(np.searchsorted(total, total[start] + PAIRS_AT_ONCE)))
+        first = np.repeat(np.arange(start, stop), count[start:stop])
+        offset = np.arange(first.size) - np.repeat(np.cumsum(count[start:stop]) - count[start:stop], count[start:stop])
+        i, j = order[first], order[first + 1 + offset]
+        i, j = i[np.abs(i - j) > 1], j[np.abs(i - j) > 1]
+        overlap = np.minimum(np.maximum(z[i], z[i + 1]), np.maximum(z[j], z[j + 1])) >= np.maximum(
+            np.minimum(z[i], z[i + 1]), np.minimum(z[j], z[j + 1])
+        )
+        i, j = i[overlap], j[overlap]
+        apart = (_side(y, z, i, j) * _side(y, z, i, j + 1) > 0.0) | (_side(y, z, j, i) * _side(y, z, j, i + 1) > 0.0)
+        if not apart.all():
+            k = int(np.argmin(apart))
+            return int(i[k]), int(j[k])
+        start = stop
+    return None
+
+
+def _side(y, z, segment, point):
+    """Sign says on which side of a segment's line a point lies."""
+    along_y, along_z = y[segment + 1] - y[segment], z[segment + 1] - z[segment]
+    return np.sign(along_y * (z[point] - z[segment]) - along_z * (y[point] - y[segment]))
+
+
+def _check_rail(path, y, z):
+    middle = z[np.argmin(np.abs(y - (y[0] + y[-1]) / 2.0))] + 0.0  # no -0
+    if middle > z[0] and middle > z[-1]:
+        raise InputError(
+            path,
+            f"z at mid-width is {middle:.4g} mm, at the sides {z[0]:.4g} and {z[-1]:.4g} mm: the rail is upside down; "
+            "z must point down: multiply z by -1",
+        )
+    if middle > min(z[0], z[-1]):
+        raise InputError(
+            path,
+            f"z at mid-width is {middle:.4g} mm, at the sides {z[0]:.4g} and {z[-1]:.4g} mm: not a rail's head, whose "
+            "sides both lie below its middle; give the head from side to side",
+        )
+
+
+def _check_wheel(path, y, z):
+    tread = np.median(np.interp(np.linspace(y[0], y[-1], 1001), np.maximum.accumulate(y), z))
+    upside_down = tread - z.min() > z.max() - tread
+    tip = np.argmin(z) if upside_down else np.argmax(z)
+    height = abs(z[tip] - tread)
+    if not FLANGE_MM[0] <= height <= FLANGE_MM[1]:
+        raise InputError(
+            path,
+            f"what reaches furthest from the tread is {height:.4g} mm at y = {y[tip]:.4g} mm; "
+            f"a flange of {FLANGE_MM[0]:g} to {FLANGE_MM[1]:g} mm is needed",
+        )
+    mirrored = y[tip] > (y[0] + y[-1]) / 2.0
+    if mirrored or upside_down:
+        axes = "y and z" if mirrored and upside_down else "y" if mirrored else "z"
+        raise InputError(
+            path,
+            f"the flange tip is at y = {y[tip]:.4g} mm, z = {z[tip]:.4g} mm; a right-hand wheel is needed, flange at "
+            f"negative y and positive z (y to the field side, z down): multiply {axes} by -1",
+        )
+    if not TIP_MM[0] <= y[tip] <= TIP_MM[1] or y[-1] <= 0.0:
+        raise InputError(
+            path,
+            f"the flange tip is at y = {y[tip]:.4g} mm, allowed: {TIP_MM[0]:g} to {TIP_MM[1]:g} mm; "
+            "y must count from the tape circle, 70 mm from the flange back",
+        )
+    tape = np.interp(0.0, np.maximum.accumulate(y), z)
+    if abs(tape) > TAPE_MM:
+        raise InputError(
+            path,
+            f"z at the tape circle (y = 0) is {tape:.4g} mm, allowed: {-TAPE_MM:g} to {TAPE_MM:g} mm; "
+            f"shift z so that it is 0 there, and y if 0 is not 70 mm from the flange back",
+        )
+
+
+def _check_angle(path, y, z, angle, lines):
+    direction = np.arctan2(np.diff(z), np.diff(y))
+    off = np.zeros(angle.size)
+    for nodes in (slice(None, -1), slice(1, None)):
+        turn = np.remainder(angle[nodes] - direction + math.pi, 2.0 * math.pi) - math.pi
+        off[nodes] = np.maximum(off[nodes], np.abs(turn))
+    if off.max() > ANGLE_OFF:
+        i = int(np.argmax(off > ANGLE_OFF))
+        raise InputError(
+            f"{path}, line {lines[i]}",
+            f"angle {angle[i]:.4g} is {off[i]:.2g} rad away from the direction to a neighbour, allowed: {ANGLE_OFF:g}; "
+            "the third column must be the tangent angle atan2(dz, dy) in rad",
+        )

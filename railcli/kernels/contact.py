@@ -1,0 +1,341 @@
+"""Wheels on rails: table look-up, penetration, normal force, creepages (theory.md sections 4, 6 and 7).
+
+Track axes at the wheelset's own s; forces are those on the wheel. A left wheel enters the table of a right one
+mirrored: lateral position, roll and yaw change sign, and so does the slope that comes back.
+"""
+
+from math import atan, isfinite, sqrt
+
+from .creep import forces_and_jacobian
+from .jit import kernel
+from .layout import MAX_CONTACT, NODE_CHANNELS, Node, Status
+from .vec3 import add, cross, dot, scale
+
+GAP = Node.GAP.value
+SLOPE = Node.SLOPE.value
+GAP_ROLL = Node.GAP_ROLL.value
+GAP_YAW2 = Node.GAP_YAW2.value
+LATERAL = Node.LATERAL.value
+RADIUS = Node.RADIUS.value
+BARRIER_GAUGE = Node.BARRIER_GAUGE.value
+BARRIER_FIELD = Node.BARRIER_FIELD.value
+HERTZ = Node.HERTZ.value
+SEMI_X = Node.SEMI_X.value
+SEMI_Y = Node.SEMI_Y.value
+F11 = Node.F11.value
+F22 = Node.F22.value
+F23 = Node.F23.value
+F33 = Node.F33.value
+REGION = Node.REGION.value
+
+
+@kernel
+def power_1_5(x):
+    """x^1.5."""
+    return x * sqrt(x)
+
+
+@kernel
+def enter(side, lateral, radius, y, z, sr, cr, cy):
+    """Lateral position about nominal and height of a wheel's reference point, the bottom of its tape circle [m].
+
+    side : +1 right, -1 left.  lateral, radius : of the tape circle [m].  y, z : of the wheelset's centre in the
+    rail's frame [m].  sr, cr, cy : sine and cosine of its roll, cosine of its yaw; roll = asin(e_z) and
+    yaw = atan2(-e_x, e_y) of the axle's direction e. The table takes side * roll and side * yaw beside them.
+    """
+    return side * y + (lateral * cr - side * radius * sr) * cy - lateral, z + side * lateral * sr + radius * cr
+
+
+@kernel
+def mix(node, n, w, sample, row):
+    """sample[row] = sum of w[c] times the channels of node n[c] over the eight corners of a cell."""
+    for k in range(NODE_CHANNELS):
+        sample[row, k] = (
+            (w[0] * node[n[0], k] + w[1] * node[n[1], k] + w[2] * node[n[2], k] + w[3] * node[n[3], k])
+            + (w[4] * node[n[4], k] + w[5] * node[n[5], k] + w[6] * node[n[6], k] + w[7] * node[n[7], k])
+        )
+
+
+@kernel
+def bend(node, n, w, u, h, k):
+    """Sum over the corners of w times the slope of D in channel k times the distance to the corner."""
+    return h * (
+        (u[0] * (w[0] * node[n[0], k]) + u[1] * (w[1] * node[n[1], k]))
+        + (u[2] * (w[2] * node[n[2], k]) + u[3] * (w[3] * node[n[3], k]))
+        + (u[4] * (w[4] * node[n[4], k]) + u[5] * (w[5] * node[n[5], k]))
+        + (u[6] * (w[6] * node[n[6], k]) + u[7] * (w[7] * node[n[7], k]))
+    )
+
+
+@kernel
+def total(w, u):
+    """Sum of w times u over the corners."""
+    return (w[0] * u[0] + w[1] * u[1] + w[2] * u[2] + w[3] * u[3]) + (
+        w[4] * u[4] + w[5] * u[5] + w[6] * u[6] + w[7] * u[7]
+    )
+
+
+@kernel
+def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
+    """All branches of a contact table that are loaded when the wheel's reference point is at z = depth.
+
+    sample : (MAX_CONTACT, NODE_CHANNELS) filled from the flange to the field side, with GAP replaced by the
+        penetration depth - D [m] and SLOPE by dD/dy there.
+    Returns the number of loaded branches; -1 when the pose is off the table or not a number; more than MAX_CONTACT
+    when sample could not hold them.
+
+    Linear interpolation between the eight corners of a cell; D adds half the slopes of the corners, which makes it
+    exact for quadratics. A branch that ends within the cell is taken from the corners that have it; its barriers go
+    to zero towards the others.
+    """
+    py = (y - table["y_start"]) / table["y_step"]
+    pr = (roll - table["roll_start"]) / table["roll_step"]
+    pw = yaw * yaw / table["yaw2_step"]
+    ny, nr, nw = table["y_count"], table["roll_count"], table["yaw2_count"]
+    if not (py >= 0.0 and py <= ny - 1 and pr >= 0.0 and pr <= nr - 1 and pw <= nw - 1):
+        return -1
+    iy, ir, iw = min(int(py), ny - 2), min(int(pr), nr - 2), min(int(pw), nw - 2)
+    ty, tr, tw = py - iy, pr - ir, pw - iw
+    hy, hr, hw = table["y_step"], table["roll_step"], table["yaw2_step"]
+    place = table["cell_base"] + (ir * (nw - 1) + iw) * (ny - 1) + iy
+    ay, ar, aw = 1.0 - ty, 1.0 - tr, 1.0 - tw
+    uy = (ty, -ay, ty, -ay, ty, -ay, ty, -ay)
+    ur = (tr, tr, -ar, -ar, tr, tr, -ar, -ar)
+    uw = (tw, tw, tw, tw, -aw, -aw, -aw, -aw)
+    q0, q1, q2, q3 = ay * ar, ty * ar, ay * tr, ty * tr
+    full = (q0 * aw, q1 * aw, q2 * aw, q3 * aw, q0 * tw, q1 * tw, q2 * tw, q3 * tw)
+    base = table["node_base"]
+    count = 0
+    for b in range(table["branch_base"] + cell[place], table["branch_base"] + cell[place + 1]):
+        n, w, whole = corners(branch, b, base, full)
+        out = min(count, MAX_CONTACT - 1)
+        if whole:
+            mix(node, n, w, sample, out)
+            share, mean = 1.0, 0.0
+        else:
+            weight = total(w, (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+            if weight < 1e-9:
+                continue
+            mix(node, n, w, sample, out)
+            share = 1.0 / weight
+            gauge, field = sample[out, BARRIER_GAUGE], sample[out, BARRIER_FIELD]
+            for k in range(NODE_CHANNELS):
+                sample[out, k] *= share
+            sample[out, BARRIER_GAUGE], sample[out, BARRIER_FIELD] = gauge, field
+            mean = share * (
+                sample[out, SLOPE] * hy * total(w, uy)
+                + sample[out, GAP_ROLL] * hr * total(w, ur)
+                + sample[out, GAP_YAW2] * hw * total(w, uw)
+            )
+        bent = share * (
+            bend(node, n, w, uy, hy, SLOPE) + bend(node, n, w, ur, hr, GAP_ROLL) + bend(node, n, w, uw, hw, GAP_YAW2)
+        )
+        p = depth - (sample[out, GAP] + 0.5 * (bent + mean))
+        if p > 0.0:
+            sample[out, GAP] = p
+            count += 1
+    return count
+
+
+@kernel
+def corners(branch, b, base, w):
+    """Nodes of branch b, their weights (0 where the branch does not reach) and whether it reaches all corners."""
+    c0, c1, c2, c3 = branch[b, 0], branch[b, 1], branch[b, 2], branch[b, 3]
+    c4, c5, c6, c7 = branch[b, 4], branch[b, 5], branch[b, 6], branch[b, 7]
+    whole = (c0 | c1 | c2 | c3 | c4 | c5 | c6 | c7) >= 0
+    n = (
+        base + max(c0, 0), base + max(c1, 0), base + max(c2, 0), base + max(c3, 0),
+        base + max(c4, 0), base + max(c5, 0), base + max(c6, 0), base + max(c7, 0),
+    )  # fmt: skip
+    if whole:
+        return n, w, True
+    return (
+        n,
+        (
+            w[0] if c0 >= 0 else 0.0, w[1] if c1 >= 0 else 0.0, w[2] if c2 >= 0 else 0.0, w[3] if c3 >= 0 else 0.0,
+            w[4] if c4 >= 0 else 0.0, w[5] if c5 >= 0 else 0.0, w[6] if c6 >= 0 else 0.0, w[7] if c7 >= 0 else 0.0,
+        ),
+        False,
+    )  # fmt: skip
+
+
+@kernel
+def elastic_share(sample, count, j, cosine):
+    """Elastic normal force of loaded branch j over its Hertz factor [m^1.5], patches that overlap merged.
+
+    Where the saddle between two minima of D is penetrated too, the patches overlap. The force that both would give at
+    the depth of the saddle is then counted once, shared so that a branch that vanishes (its barrier goes to zero)
+    loses all its force and its neighbour none: the total is continuous. Our own rule (theory.md section 6).
+    """
+    p = sample[j, GAP]
+    own = power_1_5(p * cosine)
+    if j > 0:
+        near, far = sample[j, BARRIER_GAUGE], sample[j - 1, BARRIER_FIELD]
+        if near < p:
+            own -= far / max(near + far, 1e-12) * power_1_5((p - near) * cosine)
+    if j < count - 1:
+        near, far = sample[j, BARRIER_FIELD], sample[j + 1, BARRIER_GAUGE]
+        if near < p:
+            own -= far / max(near + far, 1e-12) * power_1_5((p - near) * cosine)
+    return max(own, 0.0)
+
+
+@kernel
+def normal_force(param, hertz, elastic, approach):
+    """N = k1 (d^1.5 + damping sign(d') |d'|^g2 d^g3), never pulling; d, d' = approach and its rate along the normal.
+
+    elastic : d^1.5, less what merging took [m^1.5].  Hunt and Crossley (1975) with g2 = 1, g3 = 1.5.
+    """
+    if param["damping_rate_power"] == 1.0 and param["damping_depth_power"] == 1.5:
+        damped = elastic * approach
+    else:
+        depth = elastic ** (2.0 / 3.0 * param["damping_depth_power"])
+        damped = depth * abs(approach) ** param["damping_rate_power"]
+        damped = damped if approach > 0.0 else -damped
+    return max(hertz * (elastic + param["damping"] * damped), 0.0)
+
+
+@kernel
+def touch(model, data):
+    """Normal contact of every wheel: fill data.contact (normal force and geometry) and data.rail. Returns a status."""
+    param = model.param[0]
+    sample = data.sample
+    for w in range(model.wheel.size):
+        wheel, rail = model.wheel[w], data.rail[w]
+        body, side = wheel["body"], wheel["side"]
+        frame = data.frame[body]
+        sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
+        y, z = enter(side, wheel["lateral"], wheel["radius"], data.q[body, 1], data.q[body, 2], sr, cr, cy)
+        roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
+        found = look_up(model.table[wheel["table"]], model.node, model.cell, model.branch, y, roll, yaw, z, sample)
+        rail["x"], rail["y"], rail["q"], rail["patches"] = 0.0, 0.0, 0.0, 0.0
+        for j in range(max(found, 0), MAX_CONTACT):
+            data.contact[w, j]["normal"] = 0.0
+            data.contact[w, j]["depth"] = 0.0
+        if found < 0 or found > MAX_CONTACT:
+            data.fault[0] = w
+            if not (isfinite(y) and isfinite(z) and isfinite(roll) and isfinite(yaw)):
+                data.fault[0] = body
+                return Status.NOT_FINITE.value
+            return Status.LEFT_TABLE.value if found < 0 else Status.TOO_MANY_CONTACTS.value
+        if z < -param["derail_lift"]:
+            data.fault[0] = w
+            return Status.DERAILED.value
+        axle = (-sy * cr, cy * cr, sr)
+        turn = (data.rate[body, 3] * cy, data.rate[body, 3] * sy, data.rate[body, 5])
+        for j in range(found):
+            slope = side * sample[j, SLOPE]
+            cosine = 1.0 / sqrt(1.0 + slope * slope)
+            normal = (0.0, -slope * cosine, cosine)
+            lean = dot(normal, axle)
+            radius, out = sample[j, RADIUS], side * (wheel["lateral"] + sample[j, LATERAL])
+            down = radius / sqrt(1.0 - lean * lean)
+            along = out - down * lean
+            arm = (
+                along * axle[0],
+                along * axle[1] + down * normal[1],
+                along * axle[2] + down * normal[2],
+            )
+            moved = cross(turn, arm)
+            approach = normal[1] * (data.rate[body, 1] + moved[1]) + normal[2] * (data.rate[body, 2] + moved[2])
+            elastic = elastic_share(sample, found, j, cosine)
+            depth = sample[j, GAP] * cosine
+            if elastic < power_1_5(depth):
+                depth = elastic ** (2.0 / 3.0)
+            root = sqrt(depth)
+            contact = data.contact[w, j]
+            contact["normal"] = normal_force(param, sample[j, HERTZ], elastic, approach)
+            contact["semi_x"], contact["semi_y"] = sample[j, SEMI_X] * root, sample[j, SEMI_Y] * root
+            contact["f11"], contact["f22"] = sample[j, F11] * depth, sample[j, F22] * depth
+            contact["f23"], contact["f33"] = sample[j, F23] * depth * root, sample[j, F33] * depth * depth
+            contact["depth"] = sample[j, GAP]
+            contact["slope"] = slope
+            contact["lateral"] = sample[j, LATERAL]
+            contact["radius"] = radius
+            contact["region"] = sample[j, REGION]
+            contact["arm"][0], contact["arm"][1], contact["arm"][2] = arm
+        rail["patches"] = found
+    return Status.OK.value
+
+
+@kernel
+def slip(model, data):
+    """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load, fill data.creep_damping.
+
+    The rail is at rest. Its direction at a contact ahead of the axle is turned by the track's curvature. Running
+    backwards turns the contact axes x and t with the rolling direction.
+    """
+    param = model.param[0]
+    block = data.creep_damping
+    for i in range(model.body.size):
+        if model.body[i]["spins"]:
+            for a in range(6):
+                for b in range(6):
+                    block[i, a, b] = 0.0
+    for w in range(model.wheel.size):
+        wheel, rail = model.wheel[w], data.rail[w]
+        patches = int(rail["patches"])
+        if patches == 0:
+            continue
+        i = wheel["body"]
+        frame = data.frame[i]
+        sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
+        forward, axle, down = (cy, sy, 0.0), (-sy * cr, cy * cr, sr), (sy * sr, -cy * sr, cr)
+        v = (data.v[i, 0], data.v[i, 1], data.v[i, 2])
+        omega = add(
+            add(scale(data.v[i, 3], forward), scale(data.v[i, 4], axle)),
+            scale(data.v[i, 5], down),
+        )
+        way = 1.0 if v[0] >= 0.0 else -1.0
+        per_speed = 1.0 / max(sqrt(dot(v, v)), param["creep_speed"])
+        curvature = frame["rate"][2]
+        force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for j in range(patches):
+            contact = data.contact[w, j]
+            slope = contact["slope"]
+            cosine = 1.0 / sqrt(1.0 + slope * slope)
+            normal = (0.0, -slope * cosine, cosine)
+            arm = (contact["arm"][0], contact["arm"][1], contact["arm"][2])
+            along = (way, way * curvature * arm[0], 0.0)
+            across = (-along[1] * normal[2], way * normal[2], -way * normal[1])
+            arm_x, arm_t = cross(arm, along), cross(arm, across)
+            xi = (dot(along, v) + dot(arm_x, omega)) * per_speed
+            eta = (dot(across, v) + dot(arm_t, omega)) * per_speed
+            phi = dot(normal, omega) * per_speed
+            n = contact["normal"]
+            tx, tt, mz, xx, xe, xp, ex, ee, ep, px, pe, pp = forces_and_jacobian(
+                param["creep_law"], contact["f11"], contact["f22"], contact["f23"], contact["f33"],
+                wheel["friction"] * n, xi, eta, phi,
+            )
+            contact["xi"], contact["eta"], contact["phi"] = xi, eta, phi
+            contact["creep_x"], contact["creep_t"], contact["spin_moment"] = tx, tt, mz
+            here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))
+            force = add(force, here)
+            moment = add(moment, add(cross(arm, here), scale(mz, normal)))
+            g0 = (along[0], along[1], 0.0, dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x))
+            g1 = (across[0], across[1], across[2], dot(forward, arm_t), dot(axle, arm_t), dot(down, arm_t))
+            g2 = (0.0, 0.0, 0.0, dot(forward, normal), dot(axle, normal), dot(down, normal))
+            for b in range(6):
+                hx = per_speed * (xx * g0[b] + xe * g1[b] + xp * g2[b])
+                ht = per_speed * (ex * g0[b] + ee * g1[b] + ep * g2[b])
+                hn = per_speed * (px * g0[b] + pe * g1[b] + pp * g2[b])
+                for a in range(6):
+                    block[i, a, b] -= g0[a] * hx + g1[a] * ht + g2[a] * hn
+        rail["x"], rail["y"], rail["q"] = -force[0], -force[1], -force[2]
+        load = data.load
+        for a in range(3):
+            load[i, a] += force[a]
+        load[i, 3] += dot(forward, moment)
+        load[i, 4] += dot(axle, moment)
+        load[i, 5] += dot(down, moment)
+
+
+@kernel
+def describe_patch(wheel, contact):
+    """Complete a CONTACT for a reader: contact angle and how far the linear creep force is over the friction limit."""
+    contact["angle"] = -wheel["side"] * atan(contact["slope"])
+    tx = contact["f11"] * contact["xi"]
+    tt = contact["f22"] * contact["eta"] + contact["f23"] * contact["phi"]
+    linear = sqrt(tx * tx + tt * tt)
+    limit = wheel["friction"] * contact["normal"]
+    contact["linear"] = linear / limit if limit > 0.0 else 0.0

@@ -1,0 +1,303 @@
+"""The wheel-rail difference surface and its minima (theory.md section 4).
+
+Right-hand wheel; track axes (x forward, y right, z down). A wheel pose is (y, roll, yaw): y is the lateral position of
+its reference point T, the bottom of the tape circle, about nominal; T is held at z = 0, so that D, the distance from
+rail to wheel along z at one place of the wheel, is the depth of T at which that place touches.
+
+Profiles come as graphs: rows (value, slope, mean curvature) on a uniform lateral grid, read by cubic Hermite
+interpolation and continued along the last tangent.
+"""
+
+from math import cos, sin, sqrt
+
+import numpy as np
+
+from .jit import kernel
+
+BARRIER_CAP = 1e-3  # barriers and gaps between branches beyond this are not resolved [m]
+SCAN_AHEAD = 3  # stations of the coarse scan along the circle
+SIMPLEX_SIZE = 0.4e-3  # edge of the first simplex [m]
+SIMPLEX_STOP = 5e-6  # largest edge at which the simplex stops, Newton takes over [m]
+SIMPLEX_STEPS = 200
+SAME_POINT = 20e-6  # two minima closer than this are one [m]
+
+
+@kernel
+def height(graph, start, step, y):
+    """Value and slope of a profile graph at lateral position y [m]; along the last tangent beyond its ends."""
+    n = graph.shape[0]
+    place = (y - start) / step
+    if not place > 0.0:
+        return graph[0, 0] + graph[0, 1] * (y - start), graph[0, 1]
+    if place >= n - 1:
+        return graph[n - 1, 0] + graph[n - 1, 1] * (y - start - (n - 1) * step), graph[n - 1, 1]
+    i = int(place)
+    t = place - i
+    f0 = graph[i, 0]
+    f1 = graph[i + 1, 0]
+    m0 = graph[i, 1] * step
+    m1 = graph[i + 1, 1] * step
+    c2 = 3.0 * (f1 - f0) - 2.0 * m0 - m1
+    c3 = 2.0 * (f0 - f1) + m0 + m1
+    return f0 + t * (m0 + t * (c2 + t * c3)), (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / step
+
+
+@kernel
+def mean_curvature(graph, start, step, y):
+    """Mean curvature [1/m] of a profile graph at y: its third column, linear between nodes, held beyond the ends."""
+    n = graph.shape[0]
+    place = min(max((y - start) / step, 0.0), n - 1.000001)
+    i = int(place)
+    return graph[i, 2] + (place - i) * (graph[i + 1, 2] - graph[i, 2])
+
+
+@kernel
+def wheel_axes(roll, yaw):
+    """Axle direction e (to the right), forward f and downward d = f x e of a wheelset, in track axes."""
+    sr, cr = sin(roll), cos(roll)
+    sy, cy = sin(yaw), cos(yaw)
+    return (-sy * cr, cy * cr, sr), (cy, sy, 0.0), (sy * sr, -cy * sr, cr)
+
+
+@kernel
+def surface_point(s, radius, sine, e, f, d, r0):
+    """(y, z) of the wheel surface against T, at profile coordinate s and angle asin(sine) ahead of the bottom [m]."""
+    down = radius * sqrt(1.0 - sine * sine) - r0
+    return s * e[1] + radius * sine * f[1] + down * d[1], s * e[2] + down * d[2]
+
+
+@kernel
+def gap(s, ahead, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Difference surface D [m] at profile coordinate s, `ahead` of the bottom as seen on the tape circle [m].
+
+    seat [m] is the lateral position of nominal T in the axes of the rail profile.
+    """
+    value, _ = height(wheel, w0, wh, s)
+    sine = min(max(ahead / r0, -0.9), 0.9)
+    py, pz = surface_point(s, r0 + value, sine, e, f, d, r0)
+    z, _ = height(rail, g0, gh, y + seat + py)
+    return z - pz
+
+
+@kernel
+def locus(s, e, f, d, r0, wheel, w0, wh):
+    """The contact locus: the point at profile coordinate s whose normal has no component along the rail.
+
+    Returns y, z against T [m], the slope dz/dy of the wheel there, and the radius [m].
+    Wang (1984); de Pater; Arnold and Frischmuth (1998).
+    """
+    value, slope = height(wheel, w0, wh, s)
+    radius = r0 + value
+    reach = sqrt(d[0] * d[0] + f[0] * f[0])
+    lean_sin, lean_cos = d[0] / reach, f[0] / reach
+    g = min(max(slope * e[0] / reach, -0.99), 0.99)
+    h = sqrt(1.0 - g * g)
+    sine = g * lean_cos - h * lean_sin
+    cosine = h * lean_cos + g * lean_sin
+    ny = cosine * d[1] + sine * f[1] - slope * e[1]
+    nz = cosine * d[2] - slope * e[2]
+    down = radius * cosine - r0
+    return s * e[1] + radius * sine * f[1] + down * d[1], s * e[2] + down * d[2], -ny / nz, radius
+
+
+@kernel
+def slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Rail slope minus wheel slope on the locus, D [m] and the rail's slope there: the first is zero at a contact."""
+    py, pz, slope, _ = locus(s, e, f, d, r0, wheel, w0, wh)
+    z, rail_slope = height(rail, g0, gh, y + seat + py)
+    return rail_slope - slope, z - pz, rail_slope
+
+
+@kernel
+def polish(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Newton on equal slopes from a minimum found by other means; stays within 0.2 mm of it. Returns s [m]."""
+    probe = 2e-6
+    low, high = s - 0.2e-3, s + 0.2e-3
+    for _ in range(12):
+        value, _, _ = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        right, _, _ = slope_difference(s + probe, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        rate = (right - value) / probe
+        if rate <= 0.0:
+            break
+        if value > 0.0:
+            high = min(high, s)
+        else:
+            low = max(low, s)
+        move = -value / rate
+        after = s + move
+        if after <= low or after >= high:
+            after = 0.5 * (low + high)
+        done = abs(after - s) < 1e-9
+        s = after
+        if done:
+            break
+    return s
+
+
+@kernel
+def simplex(s, ahead, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Minimise D from one seed by the simplex method of Nelder and Mead (1965).
+
+    Reflection 1, expansion 2, contraction and shrinkage 1/2, as in their paper.
+    Returns s, ahead [m], D [m] and the number of evaluations.
+    """
+    ax, ay = s, ahead
+    bx, by = s + SIMPLEX_SIZE, ahead
+    cx, cy = s, ahead + 10.0 * SIMPLEX_SIZE
+    fa = gap(ax, ay, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    fb = gap(bx, by, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    fc = gap(cx, cy, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    count = 3
+    for _ in range(SIMPLEX_STEPS):
+        if fb < fa:
+            ax, ay, fa, bx, by, fb = bx, by, fb, ax, ay, fa
+        if fc < fa:
+            ax, ay, fa, cx, cy, fc = cx, cy, fc, ax, ay, fa
+        if fc < fb:
+            bx, by, fb, cx, cy, fc = cx, cy, fc, bx, by, fb
+        if max(abs(bx - ax), abs(cx - ax)) < SIMPLEX_STOP and max(abs(by - ay), abs(cy - ay)) < 10.0 * SIMPLEX_STOP:
+            break
+        mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+        rx, ry = 2.0 * mx - cx, 2.0 * my - cy
+        fr = gap(rx, ry, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        count += 1
+        if fr < fa:
+            ex, ey = 3.0 * mx - 2.0 * cx, 3.0 * my - 2.0 * cy
+            fe = gap(ex, ey, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            count += 1
+            if fe < fr:
+                cx, cy, fc = ex, ey, fe
+            else:
+                cx, cy, fc = rx, ry, fr
+            continue
+        if fr < fb:
+            cx, cy, fc = rx, ry, fr
+            continue
+        if fr < fc:
+            kx, ky = 0.5 * (mx + rx), 0.5 * (my + ry)
+        else:
+            kx, ky = 0.5 * (mx + cx), 0.5 * (my + cy)
+        fk = gap(kx, ky, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        count += 1
+        if fk < min(fr, fc):
+            cx, cy, fc = kx, ky, fk
+            continue
+        bx, by = 0.5 * (ax + bx), 0.5 * (ay + by)
+        cx, cy = 0.5 * (ax + cx), 0.5 * (ay + cy)
+        fb = gap(bx, by, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        fc = gap(cx, cy, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        count += 2
+    return ax, ay, fa, count
+
+
+@kernel
+def prepare_scan(station, e, f, d, r0, wheel, w0, wh, ahead, scan_y, scan_z):
+    """Wheel surface at every (station, ahead) of the coarse scan for one orientation; the scan then only shifts it.
+
+    ahead : (n, 3) places along the circle about the bottom, filled here; wider where the wheel is steep. [m]
+    scan_y, scan_z : (n, 3) filled with the surface against T [m].
+    """
+    for i in range(station.size):
+        value, slope = height(wheel, w0, wh, station[i])
+        middle = 0.5 * (r0 + value) * slope * e[0]
+        reach = abs(middle) + 2e-3
+        for k in range(SCAN_AHEAD):
+            ahead[i, k] = middle + (k - 1) * reach
+            sine = min(max(ahead[i, k] / r0, -0.9), 0.9)
+            scan_y[i, k], scan_z[i, k] = surface_point(station[i], r0 + value, sine, e, f, d, r0)
+
+
+@kernel
+def scan(y, seat, rail, g0, gh, scan_y, scan_z, ahead, lowest, where):
+    """Coarse scan of D: for every station the lowest D over `ahead`, by the parabola through its three values.
+
+    lowest, where : (n,) filled with D [m] and the place ahead of the bottom [m].
+    """
+    for i in range(lowest.size):
+        f0 = height(rail, g0, gh, y + seat + scan_y[i, 0])[0] - scan_z[i, 0]
+        f1 = height(rail, g0, gh, y + seat + scan_y[i, 1])[0] - scan_z[i, 1]
+        f2 = height(rail, g0, gh, y + seat + scan_y[i, 2])[0] - scan_z[i, 2]
+        bend = f0 - 2.0 * f1 + f2
+        t = 0.0
+        if bend > 0.0:
+            t = min(max(0.5 * (f0 - f2) / bend, -1.5), 1.5)
+        lowest[i] = f1 + 0.5 * t * (f2 - f0) + 0.5 * t * t * bend
+        where[i] = ahead[i, 1] + t * (ahead[i, 2] - ahead[i, 1])
+
+
+@kernel
+def _crest(station, value, i):
+    """Place and height of the parabola through points i - 1, i, i + 1 (uneven spacing), for a saddle."""
+    x0, x1, x2 = station[i - 1], station[i], station[i + 1]
+    p = (value[i] - value[i - 1]) / (x1 - x0)
+    q = (value[i + 1] - value[i]) / (x2 - x1)
+    bend = (q - p) / (x2 - x0)
+    if bend >= 0.0:
+        return x1, value[i]
+    x = 0.5 * (x0 + x1) - 0.5 * p / bend
+    return x, value[i] - 0.25 * (p + bend * (x1 - x0)) ** 2 / bend
+
+
+@kernel
+def minima(
+    method, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station, scan_y, scan_z, ahead, lowest, where, found
+):
+    """All contact points of one wheel pose within BARRIER_CAP of the deepest.
+
+    method : 0 simplex on D from every basin of the coarse scan; 1 the closed-form locus (its twin).
+    found : (k, 6) filled from the flange to the field side with s [m], D [m], the D of the saddles on the flange and
+        field sides, and the s of these saddles (infinite where there is none).
+    Returns the number of minima (may exceed k: then the shallowest were left out) and of evaluations of D.
+    """
+    n = station.size
+    evaluations = 0
+    if method == 0:
+        scan(y, seat, rail, g0, gh, scan_y, scan_z, ahead, lowest, where)
+        evaluations += SCAN_AHEAD * n
+    else:
+        for i in range(n):
+            _, lowest[i], _ = slope_difference(station[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            where[i] = 0.0
+        evaluations += n
+    best = lowest[1]
+    for i in range(1, n - 1):
+        best = min(best, lowest[i])
+    capacity = found.shape[0]
+    count = 0
+    total = 0
+    saddle_s, saddle = -np.inf, np.inf
+    for i in range(1, n - 1):
+        if lowest[i] >= lowest[i - 1] and lowest[i] > lowest[i + 1]:
+            saddle_s, saddle = _crest(station, lowest, i)
+            if count > 0 and not found[count - 1, 3] < np.inf:
+                found[count - 1, 3], found[count - 1, 5] = saddle, saddle_s
+        elif lowest[i] < lowest[i - 1] and lowest[i] <= lowest[i + 1]:
+            if lowest[i] > best + BARRIER_CAP + 0.1e-3:
+                continue
+            s = station[i]
+            if method == 0:
+                s, _, _, steps = simplex(s, where[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+                evaluations += steps
+            else:
+                low, high = station[i - 1], station[i + 1]
+                for _ in range(14):
+                    middle = 0.5 * (low + high)
+                    if slope_difference(middle, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)[0] < 0.0:
+                        low = middle
+                    else:
+                        high = middle
+                s = 0.5 * (low + high)
+            s = polish(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            _, value, _ = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            if count > 0 and abs(s - found[count - 1, 0]) < SAME_POINT:
+                found[count - 1, 3] = np.inf
+                continue
+            total += 1
+            if count == capacity:
+                continue
+            found[count, 0] = s
+            found[count, 1] = value
+            found[count, 2], found[count, 4] = saddle, saddle_s
+            found[count, 3], found[count, 5] = np.inf, np.inf
+            count += 1
+    return total, evaluations

@@ -1,0 +1,403 @@
+"""Schema of the compiled core: one documented line per field, SI units.
+
+Frames (docs/nomenclature.md): the *track frame* at arc length s has x forward, y right, z down, its origin on the
+centre line in the plane of the rail tops; the *frame of a body* follows the body's yaw, roll and pitch, but for a
+wheelset not its pitch, which is its spin. Left and right wheel share one contact table: the left enters it mirrored.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from .jit import constant, mutable
+
+MAX_CONTACT = 4  # contact patches kept per wheel
+CURVE_KNOTS = 32
+NODE_CHANNELS = 16
+PATH_ORDER = 8
+
+
+class Status(IntEnum):
+    """How a call of the core ended; `Data.fault` names the culprit."""
+
+    OK = 0
+    NOT_FINITE = 1  # fault = body
+    LEFT_TABLE = 2  # fault = wheel
+    DERAILED = 3  # fault = wheel
+    LEFT_TRACK = 4  # fault = body
+    TOO_MANY_CONTACTS = 5  # fault = wheel
+
+
+class Kind(IntEnum):
+    """Kinds of force element."""
+
+    BUSHING = 0  # three springs and dampers along the joint's axes
+    LINK = 1  # acts along the line between its two ends
+
+
+class Axes(IntEnum):
+    """Whose axes the bushings of a joint use."""
+
+    MEAN = 0  # halfway between the two bodies; forces act midway between the displaced ends
+    UPPER = 1  # the upper body's; forces act at the lower end
+
+
+class Creep(IntEnum):
+    """Saturation of the linear creep force."""
+
+    HARD = 0
+    SMOOTH = 1
+
+
+PARAM = np.dtype(
+    [
+        ("step", "f8"),  # time step [s]
+        ("gravity", "f8"),  # [m/s^2]
+        ("cant_base", "f8"),  # lateral distance over which cant is measured [m]
+        ("speed", "f8"),  # speed asked of the first body along the track [m/s]
+        ("hold", "f8"),  # force per speed error on the first body, along its track tangent [N s/m]
+        ("creep_law", "i8"),  # Creep
+        ("creep_speed", "f8"),  # creepages are divided by at least this speed [m/s]
+        ("damping", "f8"),  # k2 / k1 of the normal force (theory.md) [(s/m)^g2]
+        ("damping_rate_power", "f8"),  # g2 [-]
+        ("damping_depth_power", "f8"),  # g3 [-]
+        ("derail_lift", "f8"),  # climb of a wheel over its nominal height that ends the run [m]
+    ],
+    align=True,
+)
+
+PIECE = np.dtype(  # a stretch of track short enough for polynomials of u = s - start
+    [
+        ("start", "f8"),  # arc length at its beginning [m]
+        ("length", "f8"),  # [m]
+        ("x", "f8"),  # plan position of its beginning [m]
+        ("y", "f8"),
+        ("heading", "f8"),  # heading of its beginning, positive to the right [rad]
+        ("cos_heading", "f8"),
+        ("sin_heading", "f8"),
+        ("curvature", "f8", 4),  # coefficients in u, positive to the right [1/m, 1/m^2, ...]
+        ("cant", "f8", 4),  # height of left over right rail, coefficients in u [m, -, ...]
+        ("path_x", "f8", PATH_ORDER),  # position along the first tangent, coefficients of u^1 ... [m]
+        ("path_y", "f8", PATH_ORDER),  # position right of it
+    ],
+    align=True,
+)
+
+BODY = np.dtype(
+    [
+        ("mass", "f8"),  # [kg]
+        ("inertia", "f8", 3),  # about the axes of its frame through its centre [kg m^2]
+        ("spins", "i8"),  # 1: wheelset, whose frame does not pitch
+    ],
+    align=True,
+)
+
+JOINT = np.dtype(  # everything between one pair of bodies
+    [
+        ("lower", "i8"),
+        ("upper", "i8"),
+        ("first", "i8"),  # its elements: first ... first + count - 1
+        ("count", "i8"),
+        ("axes", "i8"),  # Axes
+        ("turn", "f8", 3),  # rotational stiffness about the mean axes [N m/rad]
+    ],
+    align=True,
+)
+
+ELEMENT = np.dtype(
+    [
+        ("kind", "i8"),  # Kind
+        ("lower", "f8", 3),  # end on the lower body, in its frame [m]
+        ("upper", "f8", 3),  # end on the upper body, in its frame [m]
+        ("k", "f8", 3),  # bushing: stiffness along x, y, z; link: k[0] along it [N/m]
+        ("c", "f8", 3),  # damping likewise [N s/m]
+        ("preload", "f8", 3),  # bushing: force on the upper body at rest; link: -, tension in [0] [N]
+        ("spring_curve", "i8", 3),  # force over displacement beside k, index into curves; -1: none
+        ("damper_curve", "i8"),  # link: force over rate; with series stiffness: rate over force; -1: none
+        ("series", "f8"),  # link: stiffness in series with the damper; 0: none [N/m]
+        ("state", "i8"),  # its place in Data.damper; -1: none
+        ("length", "f8"),  # link: length without spring force [m]
+    ],
+    align=True,
+)
+
+CURVE = np.dtype(  # piecewise linear, continued along its last slopes
+    [("count", "i8"), ("x", "f8", CURVE_KNOTS), ("y", "f8", CURVE_KNOTS)],
+    align=True,
+)
+
+WHEEL = np.dtype(
+    [
+        ("body", "i8"),
+        ("side", "f8"),  # +1 right, -1 left
+        ("table", "i8"),
+        ("lateral", "f8"),  # distance of its tape circle from the wheelset's centre [m]
+        ("radius", "f8"),  # of its tape circle [m]
+        ("friction", "f8"),  # [-]
+    ],
+    align=True,
+)
+
+TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll, squared yaw
+    [
+        ("y_start", "f8"),  # lateral position of the reference point about nominal [m]
+        ("y_step", "f8"),
+        ("y_count", "i8"),
+        ("roll_start", "f8"),  # [rad]
+        ("roll_step", "f8"),
+        ("roll_count", "i8"),
+        ("yaw2_step", "f8"),  # squared yaw, from 0 [rad^2]
+        ("yaw2_count", "i8"),
+        ("cell_base", "i8"),  # where its cells begin in Model.cell
+        ("branch_base", "i8"),  # where its branches begin in Model.branch
+        ("node_base", "i8"),  # where its nodes begin in Model.node
+    ],
+    align=True,
+)
+
+
+class Node(IntEnum):
+    """Channels of a table node: one contact point of a wheel at one grid pose (theory.md section 4)."""
+
+    GAP = 0  # D, distance from rail to wheel along z [m]
+    SLOPE = 1  # dD/dy = tangent of the contact angle [-]
+    GAP_ROLL = 2  # dD/d roll [m/rad]
+    GAP_YAW2 = 3  # dD/d yaw^2 [m/rad^2]
+    LATERAL = 4  # profile coordinate on the wheel, from the tape circle to the field side [m]
+    RADIUS = 5  # distance of the contact from the axle [m]
+    BARRIER_GAUGE = 6  # D of the saddle towards the flange minus D, at most BARRIER_CAP [m]
+    BARRIER_FIELD = 7  # likewise towards the field side [m]
+    HERTZ = 8  # k of N = k d^1.5, d the approach along the normal [N/m^1.5]
+    SEMI_X = 9  # a / d^0.5 [m^0.5]
+    SEMI_Y = 10  # b / d^0.5 [m^0.5]
+    F11 = 11  # f11 / d [N/m]
+    F22 = 12  # f22 / d [N/m]
+    F23 = 13  # f23 / d^1.5 [N/m^0.5]
+    F33 = 14  # f33 / d^2 [N]
+    REGION = 15  # part of the wheel profile, Region
+
+
+class Region(IntEnum):
+    """Identity of a branch: the part of the wheel profile on which it lies."""
+
+    TREAD = 0
+    ROOT = 1
+    FLANK = 2
+    TIP = 3
+
+
+FRAME = np.dtype(  # derived: pose and motion of a body against the ground, all vectors in ground axes
+    [
+        ("track", "f8", (3, 3)),  # columns: axes of its track frame
+        ("rate", "f8", 3),  # rotation of the track frame per metre, in track axes [1/m]
+        ("sine", "f8", 3),  # sines and cosines of roll, pitch (0 for a wheelset) and yaw
+        ("cosine", "f8", 3),
+        ("axes", "f8", (3, 3)),  # columns: axes of its frame
+        ("position", "f8", 3),  # of its centre [m]
+        ("velocity", "f8", 3),  # of its centre [m/s]
+        ("omega", "f8", 3),  # angular velocity of the body [rad/s]
+        ("omega_frame", "f8", 3),  # angular velocity of its frame (a wheelset's without spin) [rad/s]
+        ("force", "f8", 3),  # sum of the suspension forces [N]
+        ("moment", "f8", 3),  # sum of their moments about its centre [N m]
+    ],
+    align=True,
+)
+
+CONTACT = np.dtype(  # derived: one contact patch; forces on the wheel, contact axes x, t, n of theory.md
+    [
+        ("normal", "f8"),  # [N]
+        ("creep_x", "f8"),  # [N]
+        ("creep_t", "f8"),  # [N]
+        ("spin_moment", "f8"),  # [N m]
+        ("xi", "f8"),  # creepages: slip of wheel over rail [-]
+        ("eta", "f8"),  # [-]
+        ("phi", "f8"),  # [1/m]
+        ("depth", "f8"),  # penetration along z [m]
+        ("angle", "f8"),  # contact angle, positive when the normal leans to the flange [rad]
+        ("lateral", "f8"),  # on the wheel profile, from the tape circle to the field side [m]
+        ("radius", "f8"),  # distance from the axle [m]
+        ("ahead", "f8"),  # position ahead of the axle [m]
+        ("semi_x", "f8"),  # contact ellipse [m]
+        ("semi_y", "f8"),
+        ("region", "f8"),  # Region
+        ("linear", "f8"),  # linear creep force over the friction limit [-]
+        ("slope", "f8"),  # dz/dy of the rail there, track axes [-]
+        ("arm", "f8", 3),  # from the wheelset's centre, track axes [m]
+        ("f11", "f8"),  # creep coefficients [N]
+        ("f22", "f8"),  # [N]
+        ("f23", "f8"),  # [N m]
+        ("f33", "f8"),  # [N m^2]
+    ],
+    align=True,
+)
+
+RAIL = np.dtype(  # derived: force of one wheel on its rail, track axes
+    [
+        ("x", "f8"),  # [N]
+        ("y", "f8"),  # Y, to the right [N]
+        ("q", "f8"),  # Q, down [N]
+        ("patches", "f8"),  # loaded contact patches
+    ],
+    align=True,
+)
+
+
+class Model(NamedTuple):
+    """What does not change during a run: read-only arrays."""
+
+    param: np.ndarray  # (1,) PARAM
+    track: np.ndarray  # (n_piece,) PIECE
+    body: np.ndarray  # (n_body,) BODY
+    joint: np.ndarray  # (n_joint,) JOINT
+    element: np.ndarray  # (n_element,) ELEMENT
+    curve: np.ndarray  # (n_curve,) CURVE
+    wheel: np.ndarray  # (n_wheel,) WHEEL; both wheels of a wheelset adjoin
+    table: np.ndarray  # (n_table,) TABLE
+    node: np.ndarray  # (n_node, NODE_CHANNELS)
+    cell: np.ndarray  # (n_cell + 1,) first branch of each cell
+    branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
+
+
+class Data(NamedTuple):
+    """What changes: the state, then what is derived from it."""
+
+    q: np.ndarray  # state: (n_body, 6) s, y, z [m], roll, pitch, yaw [rad] against its track frame
+    v: np.ndarray  # state: (n_body, 6) velocity in track axes [m/s], angular velocity in its own axes [rad/s]
+    dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
+    damper: np.ndarray  # state: (n_state,) length of the dampers that have series stiffness [m]
+    clock: np.ndarray  # state: (1,) time [s]
+    q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
+    v_start: np.ndarray  # derived: (n_body, 6)
+    rate: np.ndarray  # derived: (n_body, 6) dq/dt
+    frame: np.ndarray  # derived: (n_body,) FRAME
+    damper_rate: np.ndarray  # derived: (n_state,) [m/s]
+    load: np.ndarray  # derived: (n_body, 6) M dv/dt: force in track axes, moment in own axes [N, N m]
+    sample: np.ndarray  # derived: (MAX_CONTACT, NODE_CHANNELS) table values of the wheel at hand
+    contact: np.ndarray  # derived: (n_wheel, MAX_CONTACT) CONTACT
+    rail: np.ndarray  # derived: (n_wheel,) RAIL
+    creep_damping: np.ndarray  # derived: (n_body, 6, 6) -d load / d v of the creep forces
+    traction: np.ndarray  # derived: (1,) force that holds the speed [N]
+    fault: np.ndarray  # derived: (1,) index of the culprit when the status is not OK
+
+
+class Rows(NamedTuple):
+    """A block of recorded instants."""
+
+    time: np.ndarray  # (n,) [s]
+    q: np.ndarray  # (n, n_body, 6) as Data
+    v: np.ndarray  # (n, n_body, 6) as Data
+    acceleration: np.ndarray  # (n, n_body, 3) force but weight over mass, track axes, z plus g [m/s^2]
+    rail: np.ndarray  # (n, n_wheel) RAIL
+    contact: np.ndarray  # (n, n_wheel, MAX_CONTACT) CONTACT
+    traction: np.ndarray  # (n,) force that holds the speed [N]
+
+
+MODEL_TYPE = types.NamedTuple(
+    (
+        constant(PARAM),
+        constant(PIECE),
+        constant(BODY),
+        constant(JOINT),
+        constant(ELEMENT),
+        constant(CURVE),
+        constant(WHEEL),
+        constant(TABLE),
+        constant(np.float64, 2),
+        constant(np.int32),
+        constant(np.int32, 2),
+    ),
+    Model,
+)
+
+DATA_TYPE = types.NamedTuple(
+    (
+        mutable(np.float64, 2),
+        mutable(np.float64, 2),
+        mutable(np.float64, 2),
+        mutable(np.float64),
+        mutable(np.float64),
+        mutable(np.float64, 2),
+        mutable(np.float64, 2),
+        mutable(np.float64, 2),
+        mutable(FRAME),
+        mutable(np.float64),
+        mutable(np.float64, 2),
+        mutable(np.float64, 2),
+        mutable(CONTACT, 2),
+        mutable(RAIL),
+        mutable(np.float64, 3),
+        mutable(np.float64),
+        mutable(np.int64),
+    ),
+    Data,
+)
+
+
+ROWS_TYPE = types.NamedTuple(
+    (
+        mutable(np.float64),
+        mutable(np.float64, 3),
+        mutable(np.float64, 3),
+        mutable(np.float64, 3),
+        mutable(RAIL, 2),
+        mutable(CONTACT, 3),
+        mutable(np.float64),
+    ),
+    Rows,
+)
+
+
+def new_data(model, q, n_damper):
+    """Data at rest at coordinates q.
+
+    Parameters
+    ----------
+    model : Model
+    q : array_like, shape (n_body, 6)
+        Coordinates against the track frame [m, rad].
+    n_damper : int
+        Number of damper states.
+    """
+    n_body, n_wheel = model.body.size, model.wheel.size
+    return Data(
+        q=np.array(q, dtype=np.float64).reshape(n_body, 6),
+        v=np.zeros((n_body, 6)),
+        dv=np.zeros((n_body, 6)),
+        damper=np.zeros(n_damper),
+        clock=np.zeros(1),
+        q_start=np.zeros((n_body, 6)),
+        v_start=np.zeros((n_body, 6)),
+        rate=np.zeros((n_body, 6)),
+        frame=np.zeros(n_body, FRAME),
+        damper_rate=np.zeros(n_damper),
+        load=np.zeros((n_body, 6)),
+        sample=np.zeros((MAX_CONTACT, NODE_CHANNELS)),
+        contact=np.zeros((n_wheel, MAX_CONTACT), CONTACT),
+        rail=np.zeros(n_wheel, RAIL),
+        creep_damping=np.zeros((n_body, 6, 6)),
+        traction=np.zeros(1),
+        fault=np.zeros(1, np.int64),
+    )
+
+
+def new_rows(model, n):
+    """Room for n recorded instants."""
+    n_body, n_wheel = model.body.size, model.wheel.size
+    return Rows(
+        time=np.zeros(n),
+        q=np.zeros((n, n_body, 6)),
+        v=np.zeros((n, n_body, 6)),
+        acceleration=np.zeros((n, n_body, 3)),
+        rail=np.zeros((n, n_wheel), RAIL),
+        contact=np.zeros((n, n_wheel, MAX_CONTACT), CONTACT),
+        traction=np.zeros(n),
+    )
+
+
+def freeze(model):
+    """The same model with every array made read-only."""
+    for array in model:
+        array.flags.writeable = False
+    return model

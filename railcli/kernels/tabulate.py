@@ -1,0 +1,206 @@
+"""From minima at grid poses to the nodes, cells and branches of a contact table (theory.md section 4)."""
+
+from math import cos, isfinite, sin, sqrt
+
+import numpy as np
+
+from .difference import BARRIER_CAP, height, locus, mean_curvature, minima, prepare_scan, slope_difference, wheel_axes
+from .hertz import ellipse
+from .jit import builder, kernel
+from .kalker import stiffness
+from .layout import Node, Region
+
+MIN_CURVATURE = 0.2  # smallest relative lateral curvature; conformal contacts are held there [1/m]
+PER_CORNER = 4  # minima kept per grid pose
+
+
+@builder
+def solve_orientation(
+    method, roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
+):
+    """Minima for every lateral position of one orientation.
+
+    found : (n_y, PER_CORNER, 6), counts : (n_y,) filled as `minima` says.
+    Returns the number of evaluations of D and of poses with more than PER_CORNER minima.
+    """
+    e, f, d = wheel_axes(roll, yaw)
+    n = station.size
+    ahead, scan_y, scan_z = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
+    lowest, where = np.empty(n), np.empty(n)
+    prepare_scan(station, e, f, d, r0, wheel, w0, wh, ahead, scan_y, scan_z)
+    evaluations, crowded = 0, 0
+    for i in range(counts.size):
+        total, used = minima(
+            method, y_start + i * y_step, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
+            scan_y, scan_z, ahead, lowest, where, found[i],
+        )
+        evaluations += used
+        if total > PER_CORNER:
+            crowded += 1
+        counts[i] = keep_near(found[i], min(total, PER_CORNER))
+    return evaluations, crowded
+
+
+@kernel
+def keep_near(found, count):
+    """Move the minima within BARRIER_CAP of the deepest to the front; returns how many they are."""
+    best = np.inf
+    for j in range(count):
+        best = min(best, found[j, 1])
+    kept = 0
+    for j in range(count):
+        if found[j, 1] <= best + BARRIER_CAP:
+            for k in range(6):
+                found[kept, k] = found[j, k]
+            kept += 1
+    return kept
+
+
+@kernel
+def describe(s, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions, row):
+    """Fill one node from a minimum at profile coordinate s, barriers apart.
+
+    Slopes of D by the envelope theorem: the contact point may be held while the pose changes. Curvatures: wheel
+    cos(contact angle)/radius along the rail (Meusnier) and the profiles' mean curvatures across.
+    regions : (3,) profile coordinates that part tip | flank | root | tread [m].
+    """
+    e, f, d = wheel_axes(roll, yaw)
+    py, pz, _, radius = locus(s, e, f, d, r0, wheel, w0, wh)
+    _, gap, slope = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    _, wheel_slope = height(wheel, w0, wh, s)
+    lean = (s + radius * wheel_slope) * cos(roll) + r0 * sin(roll)
+    px = -sin(yaw) * lean
+    row[Node.GAP] = gap
+    row[Node.SLOPE] = slope
+    row[Node.GAP_ROLL] = -slope * cos(yaw) * pz - (cos(yaw) * py - sin(yaw) * px)
+    row[Node.GAP_YAW2] = -0.5 * slope * lean * (sin(yaw) / yaw if yaw != 0.0 else 1.0)
+    row[Node.LATERAL] = s
+    row[Node.RADIUS] = radius
+    cosine = 1.0 / sqrt(1.0 + slope * slope)
+    across = mean_curvature(rail, g0, gh, y + seat + py) - mean_curvature(wheel, w0, wh, s)
+    ca, cb, k = ellipse(0.5 * cosine / radius, 0.5 * max(across, MIN_CURVATURE), young, poisson)
+    root = k ** (1.0 / 3.0)
+    a, b = ca * root, cb * root
+    f11, f22, f23, f33 = stiffness(a, b, 0.5 * young / (1.0 + poisson), poisson)
+    row[Node.HERTZ] = k
+    row[Node.SEMI_X], row[Node.SEMI_Y] = a, b
+    row[Node.F11], row[Node.F22], row[Node.F23], row[Node.F33] = f11, f22, f23, f33
+    if s < regions[0]:
+        row[Node.REGION] = Region.TIP.value
+    elif s < regions[1]:
+        row[Node.REGION] = Region.FLANK.value
+    elif s < regions[2]:
+        row[Node.REGION] = Region.ROOT.value
+    else:
+        row[Node.REGION] = Region.TREAD.value
+
+
+@kernel
+def fill_nodes(
+    roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions,
+    found, counts, node, basin,
+):
+    """Nodes of one orientation in the order of `found`; basin : (n, 2) ends of each minimum's basin [m]."""
+    n = 0
+    for i in range(counts.size):
+        for j in range(counts[i]):
+            m = found[i, j]
+            row = node[n]
+            y = y_start + i * y_step
+            describe(m[0], y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions, row)
+            row[Node.BARRIER_GAUGE] = min(max(m[2] - m[1], 0.0), BARRIER_CAP)
+            row[Node.BARRIER_FIELD] = min(max(m[3] - m[1], 0.0), BARRIER_CAP)
+            basin[n, 0] = m[4] if isfinite(m[4]) else -np.inf
+            basin[n, 1] = m[5] if isfinite(m[5]) else np.inf
+            n += 1
+    return n
+
+
+@kernel
+def same_branch(node, basin, a, b):
+    """True when each of two minima lies in the other's basin."""
+    sa, sb = node[a, Node.LATERAL], node[b, Node.LATERAL]
+    return basin[b, 0] < sa and sa < basin[b, 1] and basin[a, 0] < sb and sb < basin[a, 1]
+
+
+@builder
+def link_cells(first, node, basin, ny, nr, nw, cell, branch):
+    """Join the minima at the eight corners of every cell into branches.
+
+    Minima of neighbouring poses belong together when each lies in the other's basin; a branch is what hangs together
+    along the edges of a cell.
+    first : (n_pose + 1,) first node of each pose, poses ordered roll, yaw^2, y (fastest).
+    cell : (n_cell + 1,) filled; branch : (capacity, 8) filled with node indices, -1 where the branch does not reach.
+    Returns the number of branches (over capacity: nothing more was written), of those that end within their cell, and
+    of knots, where a branch met itself around a cell and was cut.
+    """
+    member = np.empty(8 * PER_CORNER, np.int64)
+    corner_of = np.empty(8 * PER_CORNER, np.int64)
+    label = np.empty(8 * PER_CORNER, np.int64)
+    count, ended, knots, place = 0, 0, 0, 0
+    for ir in range(nr - 1):
+        for iw in range(nw - 1):
+            for iy in range(ny - 1):
+                cell[place] = count
+                place += 1
+                n = 0
+                for c in range(8):
+                    pose = ((ir + ((c >> 1) & 1)) * nw + iw + (c >> 2)) * ny + iy + (c & 1)
+                    for k in range(first[pose], first[pose + 1]):
+                        member[n], corner_of[n], label[n] = k, c, n
+                        n += 1
+                for a in range(n):
+                    for b in range(a + 1, n):
+                        apart = corner_of[a] ^ corner_of[b]
+                        if (apart == 1 or apart == 2 or apart == 4) and label[a] != label[b]:
+                            if same_branch(node, basin, member[a], member[b]):
+                                old, new = max(label[a], label[b]), min(label[a], label[b])
+                                for k in range(n):
+                                    if label[k] == old:
+                                        label[k] = new
+                start = count
+                for a in range(n):
+                    if label[a] != a:
+                        continue
+                    if count >= branch.shape[0]:
+                        count += 1
+                        continue
+                    row = branch[count]
+                    for c in range(8):
+                        row[c] = -1
+                    reached = 0
+                    for k in range(a, n):
+                        if label[k] == a:
+                            if row[corner_of[k]] >= 0:
+                                knots += 1
+                                continue
+                            row[corner_of[k]] = member[k]
+                            reached += 1
+                    if reached < 8:
+                        ended += 1
+                    count += 1
+                order_branches(node, branch, start, min(count, branch.shape[0]))
+    cell[place] = count
+    return count, ended, knots
+
+
+@kernel
+def order_branches(node, branch, start, stop):
+    """Sort branches start ... stop - 1 of one cell from the flange to the field side."""
+    for a in range(start + 1, stop):
+        b = a
+        while b > start and mean_lateral(node, branch[b]) < mean_lateral(node, branch[b - 1]):
+            for c in range(8):
+                branch[b, c], branch[b - 1, c] = branch[b - 1, c], branch[b, c]
+            b -= 1
+
+
+@kernel
+def mean_lateral(node, corners):
+    """Mean profile coordinate of a branch over the corners that it reaches [m]."""
+    total, n = 0.0, 0
+    for c in range(8):
+        if corners[c] >= 0:
+            total += node[corners[c], Node.LATERAL]
+            n += 1
+    return total / max(n, 1)

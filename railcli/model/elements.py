@@ -1,0 +1,183 @@
+"""Force elements and the joints that hold them: what acts between two bodies.
+
+Points: x forward, y to the right, height above the rail tops [m].
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from railcli.kernels.layout import CURVE_KNOTS
+
+from .checks import Coefficient, CoefficientVector, Description, Flag, Name, Point, Real
+
+_NO_STIFFNESS = (0.0, 0.0, 0.0)
+_MIRRORS = {  # signs of x and y of each copy
+    "none": ((1, 1),),
+    "y": ((1, 1), (1, -1)),
+    "x": ((1, 1), (-1, 1)),
+    "xy": ((1, 1), (1, -1), (-1, 1), (-1, -1)),
+}
+_Value = Annotated[Real, Field(ge=-1e12, le=1e12)]
+_Values = Annotated[tuple[_Value, ...], Field(min_length=2, max_length=CURVE_KNOTS)]
+_Mirror = Literal["none", "x", "y", "xy"]
+
+
+class _Table(Description):
+    """Piecewise linear, continued along its first and last slopes."""
+
+    argument_name: ClassVar[str]
+    force: _Values = Field(alias="force_N")
+    odd: Flag = False  # given for the positive side only; f(-x) = -f(x)
+
+    def knots(self):
+        """Both coordinates of all knots, the mirrored side included."""
+        x, y = np.array(self.argument), np.array(self.force)
+        if self.odd:
+            keep = x > 0.0
+            x = np.concatenate([-x[keep][::-1], x])
+            y = np.concatenate([-y[keep][::-1], y])
+        return x, y
+
+    @model_validator(mode="after")
+    def _is_a_spring_or_damper(self):
+        name = self.argument_name
+        if len(self.argument) != len(self.force):
+            raise ValueError(f"{name} has {len(self.argument)} values, force has {len(self.force)}")
+        if np.any(np.diff(self.argument) <= 0.0):
+            raise ValueError(f"{name} must increase from each value to the next")
+        if np.any(np.diff(self.force) < 0.0):
+            raise ValueError("force must not decrease")
+        if self.odd and (self.argument[0] < 0.0 or (self.argument[0] == 0.0 and self.force[0] != 0.0)):
+            raise ValueError(f"with odd = true, {name} must not be negative and the force at 0 must be 0")
+        x, y = self.knots()
+        if x.size > CURVE_KNOTS:
+            raise ValueError(f"has {x.size} knots with the mirrored side, at most {CURVE_KNOTS} are allowed")
+        if not x[0] <= 0.0 <= x[-1] or abs(np.interp(0.0, x, y)) > 1e-9 * np.abs(y).max():
+            raise ValueError("must pass through (0, 0): no force in the nominal geometry or at rest")
+        return self
+
+
+class SpringTable(_Table):
+    """Force over displacement, beside the linear stiffness."""
+
+    argument_name = "displacement"
+    displacement: _Values = Field(alias="displacement_m")
+
+    @property
+    def argument(self):
+        return self.displacement
+
+
+class DamperTable(_Table):
+    """Force over rate of extension."""
+
+    argument_name = "rate"
+    rate: _Values = Field(alias="rate_m_per_s")
+
+    @property
+    def argument(self):
+        return self.rate
+
+
+class Bushing(Description):
+    """Springs and dampers along the joint's three axes, both ends at one point in the nominal geometry."""
+
+    name: Name
+    at: Point = Field(alias="at_m")
+    mirror: _Mirror = "none"
+    stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="stiffness_N_per_m")
+    damping: CoefficientVector = Field(_NO_STIFFNESS, alias="damping_Ns_per_m")
+    turn_stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="turn_stiffness_Nm_per_rad")
+    spring_table_x: SpringTable | None = None
+    spring_table_y: SpringTable | None = None
+    spring_table_z: SpringTable | None = None
+    carries_weight: Flag = False
+
+    @property
+    def ends(self):
+        return self.at, self.at
+
+    @property
+    def signs(self):
+        return _MIRRORS[self.mirror]
+
+    @property
+    def spring_tables(self):
+        return self.spring_table_x, self.spring_table_y, self.spring_table_z
+
+    @model_validator(mode="after")
+    def _mirrors(self):
+        return _mirrored_apart(self)
+
+
+class Link(Description):
+    """A spring, a damper or both along the line between two points."""
+
+    name: Name
+    lower: Point = Field(alias="lower_m")
+    upper: Point = Field(alias="upper_m")
+    mirror: _Mirror = "none"
+    stiffness: Coefficient = Field(0.0, alias="stiffness_N_per_m")
+    damping: Coefficient = Field(0.0, alias="damping_Ns_per_m")
+    damper_table: DamperTable | None = None
+    series_stiffness: Coefficient = Field(0.0, alias="series_stiffness_N_per_m")  # of the damper; 0: rigid
+
+    @property
+    def ends(self):
+        return self.lower, self.upper
+
+    @property
+    def signs(self):
+        return _MIRRORS[self.mirror]
+
+    @property
+    def length(self):
+        """Distance of the ends in the nominal geometry [m]."""
+        return float(np.linalg.norm(np.subtract(self.upper, self.lower)))
+
+    @model_validator(mode="after")
+    def _acts(self):
+        damps = self.damping > 0.0 or self.damper_table is not None
+        if self.length == 0.0:
+            raise ValueError("lower_m and upper_m are the same point; use a bushing there")
+        if self.damping > 0.0 and self.damper_table is not None:
+            raise ValueError("give either damping_Ns_per_m or damper_table, not both")
+        if not (damps or self.stiffness > 0.0):
+            raise ValueError("does nothing; give stiffness_N_per_m, damping_Ns_per_m or damper_table")
+        if self.series_stiffness > 0.0 and not damps:
+            raise ValueError("series_stiffness_N_per_m needs damping_Ns_per_m or damper_table")
+        if self.series_stiffness > 0.0 and self.damper_table and np.any(np.diff(self.damper_table.force) <= 0.0):
+            raise ValueError("with series_stiffness_N_per_m, force of damper_table must increase strictly")
+        return _mirrored_apart(self)
+
+
+def _mirrored_apart(element):
+    for axis, letter in enumerate("xy"):
+        if letter in element.mirror and all(end[axis] == 0.0 for end in element.ends):
+            raise ValueError(f"mirror = {element.mirror!r}, but its {letter} is 0: it would stand twice in one place")
+    return element
+
+
+class Joint(Description):
+    """All that acts between two bodies, repeated for every pair.
+
+    Points of its elements count from the lower body of the pair: x from its centre, y from the vehicle's middle,
+    height from the rail tops.
+    """
+
+    name: Name
+    pairs: Annotated[tuple[tuple[Name, Name], ...], Field(min_length=1)]  # (lower, upper)
+    axes: Literal["mean", "upper"] = "mean"
+    turn_stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="turn_stiffness_Nm_per_rad")
+    bushings: tuple[Bushing, ...] = Field((), alias="bushing")
+    links: tuple[Link, ...] = Field((), alias="link")
+
+    @property
+    def total_turn_stiffness(self):
+        """Of the joint and its bushings about x, y, z [N m/rad]."""
+        total = np.array(self.turn_stiffness)
+        for bushing in self.bushings:
+            total += len(bushing.signs) * np.array(bushing.turn_stiffness)
+        return total

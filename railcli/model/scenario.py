@@ -1,0 +1,168 @@
+"""Scenario: a vehicle, a track, what happens at the rails, and how long to run."""
+
+import hashlib
+import json
+import math
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
+from .submodels import CREEP_LAWS
+from .track import MARGIN, Track
+from .vehicle import Vehicle
+
+TAPE_CIRCLE_FROM_FLANGE_BACK = 0.070  # [m], UIC 510-2
+STEEPEST_INCLINATION = 5.0  # 1 in ...
+
+
+class Run(Description):
+    """Speed, length and time steps of a run."""
+
+    speed: Annotated[Positive, Field(le=150.0)] = Field(alias="speed_m_per_s")
+    distance: Positive | None = Field(None, alias="distance_m")
+    duration: Positive | None = Field(None, alias="duration_s")
+    step: Annotated[Positive, Field(le=2e-3)] = Field(0.5e-3, alias="step_s")
+    output_interval: Annotated[Positive, Field(le=10.0)] = Field(10e-3, alias="output_interval_s")
+    average_over: Positive = Field(100.0, alias="average_over_m")
+    gravity: Annotated[Positive, Field(le=100.0)] = Field(9.81, alias="gravity_m_per_s2")
+
+    @model_validator(mode="after")
+    def _fits_together(self):
+        if self.distance is not None and self.duration is not None:
+            raise ValueError("give either distance_m or duration_s, not both")
+        if self.steps_per_output < 1 or not math.isclose(
+            self.steps_per_output * self.step, self.output_interval, rel_tol=1e-9
+        ):
+            raise ValueError(
+                f"output interval must be a multiple of the step, got {self.output_interval * 1e3:g} ms and "
+                f"{self.step * 1e3:g} ms"
+            )
+        return self
+
+    @property
+    def steps_per_output(self):
+        return round(self.output_interval / self.step)
+
+
+class Contact(Description):
+    """Wheels, rails and what acts between them."""
+
+    wheel_profile: Name = "ORES1002"  # a bundled one, or a file
+    rail_profile: Name = "UIC60"
+    inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: upright
+    gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
+    flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
+    friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
+    creep_law: one_of(CREEP_LAWS) = "hard"
+    table: Name | None = None  # file of a contact table already built
+    young: Positive = Field(210e9, alias="young_Pa")
+    poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
+    damping: Annotated[NotNegative, Field(le=100.0)] = Field(0.2, alias="damping_s_per_m")
+
+    @model_validator(mode="after")
+    def _fits_together(self):
+        if 0.0 < self.inclination < STEEPEST_INCLINATION:
+            raise ValueError(
+                f"inclination means 1 in ...: must be 0 (upright) or >= {STEEPEST_INCLINATION:g}, "
+                f"got {self.inclination:g}"
+            )
+        if self.flange_back >= self.gauge:
+            raise ValueError(
+                f"no wheelset fits: flange back {self.flange_back * 1e3:g} mm, gauge {self.gauge * 1e3:g} mm"
+            )
+        return self
+
+    @property
+    def rail_angle(self):
+        """Inclination of the rails towards the middle of the track [rad]."""
+        return math.atan(1.0 / self.inclination) if self.inclination else 0.0
+
+    @property
+    def tape_circle(self):
+        """Distance of the tape circles from the middle of the wheelset [m]."""
+        return self.flange_back / 2.0 + TAPE_CIRCLE_FROM_FLANGE_BACK
+
+
+class Start(Description):
+    """How the vehicle stands before it runs."""
+
+    lateral: Annotated[Real, Field(ge=-0.01, le=0.01)] = Field(0.0, alias="lateral_m")  # of all bodies, to the right
+
+
+class Scenario(Description):
+    """Everything a run needs; built from a file by `railcli.files.scenario.load`."""
+
+    name: Name
+    title: Text = ""
+    description: Text = ""
+    cant_base: Annotated[Real, Field(ge=0.5, le=2.2)] = Field(1.5, alias="cant_base_m")
+    vehicle: Vehicle
+    run: Run
+    track: Track
+    contact: Contact = Contact()
+    start: Start = Start()
+
+    @model_validator(mode="after")
+    def _fits_together(self):
+        if self.distance > self.track.length * (1.0 + 1e-9):
+            raise ValueError(
+                f"track shorter than the run: {self.track.length:g} m of track, {self.distance:g} m to run; "
+                "lengthen a section of [[track]] or shorten distance_m or duration_s in [run]"
+            )
+        if "average_over" in self.run.model_fields_set and self.run.average_over > self.distance * (1.0 + 1e-9):
+            raise ValueError(
+                f"run.average_over_m: must be at most the {self.distance:g} m of the run, "
+                f"got {self.run.average_over:g} m"
+            )
+        if self.vehicle.reach > MARGIN:
+            raise ValueError(
+                f"vehicle: a body stands {self.vehicle.reach:g} m from the first one; at most {MARGIN:g} m fit on the "
+                "track that continues at both ends"
+            )
+        for section in self.track.sections:
+            if section.kind == "curve" and abs(section.cant) >= self.cant_base:
+                raise ValueError(f"cant_base_m: must be larger than the cant, got {self.cant_base:g} m")
+        return self
+
+    @property
+    def distance(self):
+        """Length of the run [m]."""
+        if self.run.duration is not None:
+            return self.run.duration * self.run.speed
+        return self.run.distance if self.run.distance is not None else self.track.length
+
+    @property
+    def duration(self):
+        """Time of the run at the speed asked for [s]."""
+        return self.distance / self.run.speed
+
+    @property
+    def average_over(self):
+        """Length at the end of the run over which steady values are averaged [m]."""
+        return min(self.run.average_over, self.distance)
+
+    def varied(self, **groups):
+        """The same scenario with other values, validated: ``varied(run={"speed": 30.0}, contact={"friction": 0.4})``.
+
+        Keys are the names of the fields, values SI; what is not a group (``name``, ``vehicle``) is replaced whole.
+        """
+        values = dict(self)
+        for key, value in groups.items():
+            if isinstance(value, dict):
+                group = values[key]
+                fields = {name: getattr(group, name) for name in group.model_fields_set}
+                value = type(group)(**{**fields, **value})
+            values[key] = value
+        return type(self)(**values)
+
+    def as_dict(self):
+        """All values, defaults included, with units in the keys: what provenance records."""
+        return self.model_dump(mode="json")
+
+    def digest(self):
+        """Hex digest of all that decides the results; equal for equal scenarios, whatever their file looks like."""
+        values = self.as_dict()
+        for key in ("name", "title", "description"):
+            del values[key]
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:16]

@@ -1,0 +1,137 @@
+"""A scenario and its contact tables, packed once into the read-only arrays of the core."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railcli.kernels.layout import PARAM, Model, freeze, new_data
+
+from . import track as track_model
+from . import vehicle as vehicle_model
+from .contact_table import TableSettings
+from .submodels import CREEP_LAWS, choose
+
+HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
+CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
+DERAIL_LIFT = 0.030  # a wheel lifted by more than its flange's height has left the rail [m]
+
+
+@dataclass(frozen=True)
+class System:
+    """A packed model, where its bodies stand at rest, and their names."""
+
+    model: Model
+    rest: np.ndarray  # (n_body, 6) nominal coordinates, s relative to the first body
+    damper: np.ndarray  # (n_state,) lengths of the dampers at rest [m]
+    bodies: tuple  # names
+    wheelsets: tuple  # indices of the wheelsets, in the order of the wheels
+    speed: float  # asked for [m/s]
+
+    def start(self, s=0.0, lateral=0.0):
+        """Data of the vehicle at its nominal place, rolling at its speed on straight track.
+
+        Parameters
+        ----------
+        s : float
+            Arc length of the first body [m].
+        lateral : float
+            Lateral position of every body [m].
+        """
+        q = self.rest.copy()
+        q[:, 0] += s
+        q[:, 1] += lateral
+        data = new_data(self.model, q, self.damper.size)
+        data.damper[:] = self.damper
+        data.v[:, 0] = self.speed
+        for wheel in self.model.wheel:
+            data.v[wheel["body"], 4] = -self.speed / wheel["radius"]
+        return data
+
+
+def table_settings(scenario, radius):
+    """Settings of the contact table that a scenario's wheels of this radius [m] need."""
+    contact = scenario.contact
+    return TableSettings(
+        inclination=contact.inclination,
+        gauge=contact.gauge,
+        flange_back=contact.flange_back,
+        radius=radius,
+        young=contact.young,
+        poisson=contact.poisson,
+    )
+
+
+def pool(tables):
+    """Several contact tables in the arrays of one pool: table, node, cell, branch."""
+    records = np.concatenate([table.record for table in tables])
+    node_base = cell_base = branch_base = 0
+    for record, table in zip(records, tables, strict=True):
+        record["node_base"], record["cell_base"], record["branch_base"] = node_base, cell_base, branch_base
+        node_base += table.node.shape[0]
+        cell_base += table.cell.shape[0]
+        branch_base += table.branch.shape[0]
+    if len(tables) == 1:
+        return records, tables[0].node, tables[0].cell, tables[0].branch
+    return (
+        records,
+        np.concatenate([table.node for table in tables]),
+        np.concatenate([table.cell for table in tables]),
+        np.concatenate([table.branch for table in tables]),
+    )
+
+
+def parameters(scenario):
+    """The PARAM record of a scenario."""
+    param = np.zeros(1, PARAM)
+    param["step"] = scenario.run.step
+    param["gravity"] = scenario.run.gravity
+    param["cant_base"] = scenario.cant_base
+    param["speed"] = scenario.run.speed
+    param["hold"] = HOLD
+    param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
+    param["creep_speed"] = CREEP_SPEED
+    param["damping"] = scenario.contact.damping
+    param["damping_rate_power"] = 1.0
+    param["damping_depth_power"] = 1.5
+    param["derail_lift"] = DERAIL_LIFT
+    return param
+
+
+def assemble(scenario, tables):
+    """Pack a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    tables : sequence of ContactTable
+        One for each of the vehicle's wheel radii, in their order.
+
+    Returns
+    -------
+    System
+    """
+    packed = vehicle_model.pack(
+        scenario.vehicle, scenario.run.gravity, scenario.contact.tape_circle, scenario.contact.friction
+    )
+    table, node, cell, branch = pool(tables)
+    model = Model(
+        param=parameters(scenario),
+        track=track_model.pack(scenario.track),
+        body=packed.body,
+        joint=packed.joint,
+        element=packed.element,
+        curve=packed.curve,
+        wheel=packed.wheel,
+        table=table,
+        node=node,
+        cell=cell,
+        branch=branch,
+    )
+    return System(
+        model=freeze(model),
+        rest=packed.rest,
+        damper=packed.damper,
+        bodies=tuple(body.name for body in scenario.vehicle.bodies),
+        wheelsets=tuple(scenario.vehicle.wheelsets),
+        speed=scenario.run.speed,
+    )

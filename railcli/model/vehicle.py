@@ -1,0 +1,323 @@
+"""Vehicle: bodies, the joints between them and their elements, and the arrays of these for the compiled core.
+
+Places are given as a builder sees the vehicle: x forward, y to the right, height above the rail tops; `pack` turns
+them into arms from the centres of mass (x forward, y right, z down).
+"""
+
+from collections.abc import Iterator
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from railcli.kernels.layout import BODY, CURVE, ELEMENT, JOINT, WHEEL, Axes, Kind
+
+from .checks import Coordinate, Description, Name, Positive, Real, Text, hint
+from .elements import Bushing, Joint, Link
+
+STATIC_RESIDUAL = 1e-6  # share of the vehicle's weight that the preloads may leave unbalanced
+_Inertia = Annotated[Positive, Field(le=1e12)]
+_AXES = {"mean": Axes.MEAN, "upper": Axes.UPPER}
+
+
+class Body(Description):
+    """A rigid body; one with a wheel radius is a wheelset, whose centre of mass lies on its axle."""
+
+    name: Name
+    mass: Annotated[Positive, Field(le=1e7)] = Field(alias="mass_kg")
+    inertia: tuple[_Inertia, _Inertia, _Inertia] = Field(alias="inertia_kg_m2")  # about x, y, z through its centre
+    x: Coordinate = Field(alias="x_m")
+    height: Annotated[Positive, Field(le=20.0)] | None = Field(None, alias="height_m")  # of its centre of mass
+    wheel_radius: Annotated[Real, Field(ge=0.05, le=2.0)] | None = Field(None, alias="wheel_radius_m")
+
+    @model_validator(mode="after")
+    def _has_one_height(self):
+        if (self.height is None) == (self.wheel_radius is None):
+            raise ValueError("give either height_m (of the centre of mass) or, for a wheelset, wheel_radius_m")
+        return self
+
+    @property
+    def is_wheelset(self):
+        return self.wheel_radius is not None
+
+    @property
+    def centre(self):
+        """Centre of mass: x, y, height [m]."""
+        return (self.x, 0.0, self.wheel_radius if self.is_wheelset else self.height)
+
+
+class Vehicle(Description):
+    """Bodies and joints; the first body is the one whose speed is held."""
+
+    name: Name
+    description: Text = ""
+    bodies: Annotated[tuple[Body, ...], Field(min_length=1)] = Field(alias="body")
+    joints: tuple[Joint, ...] = Field((), alias="joint")
+
+    @model_validator(mode="after")
+    def _stands(self):
+        names = self.names
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                raise ValueError(f"body[{i + 1}].name: {name!r} is taken by body[{names.index(name) + 1}]")
+        if not self.wheelsets:
+            raise ValueError("no body is a wheelset; give wheel_radius_m to those that are")
+        for j, joint in enumerate(self.joints, start=1):
+            self._check_pairs(f"joint[{j}].pairs", joint)
+        self._check_statics()
+        return self
+
+    def _check_pairs(self, where, joint):
+        for p, pair in enumerate(joint.pairs, start=1):
+            for name in pair:
+                if name not in self.names:
+                    raise ValueError(f"{where}[{p}]: no body is named {name!r}; {hint(name, self.names)}")
+            lower, upper = (self.bodies[self.names.index(name)] for name in pair)
+            if lower is upper:
+                raise ValueError(f"{where}[{p}]: joins {pair[0]!r} with itself")
+            if joint.total_turn_stiffness[1] > 0.0 and (lower.is_wheelset or upper.is_wheelset):
+                raise ValueError(f"{where}[{p}]: a wheelset spins, so its joints take no turn stiffness about y")
+
+    def _check_statics(self):
+        _, residual = _statics(self)
+        worst = int(np.argmax(np.abs(residual).max(axis=1)))
+        if np.abs(residual[worst]).max() > STATIC_RESIDUAL * sum(body.mass for body in self.bodies):
+            raise ValueError(
+                f"nothing carries {self.names[worst]!r} at rest; give it bushings with carries_weight = true, "
+                "placed so that they balance its weight without tilting it or turning an axle box"
+            )
+        carried = _on_wheelsets(self)[:, 0]
+        if carried.min() <= 0.0:
+            name = self.names[self.wheelsets[int(carried.argmin())]]
+            raise ValueError(f"{name!r} would lift off at rest; check where the bodies and springs are")
+
+    @property
+    def names(self):
+        return tuple(body.name for body in self.bodies)
+
+    @property
+    def wheelsets(self):
+        """Indices of the bodies that are wheelsets, in the order of the file."""
+        return tuple(i for i, body in enumerate(self.bodies) if body.is_wheelset)
+
+    @property
+    def wheel_radii(self):
+        """The different wheel radii [m], each once; a wheel's `table` counts along them."""
+        return tuple(dict.fromkeys(self.bodies[i].wheel_radius for i in self.wheelsets))
+
+    @property
+    def reach(self):
+        """Largest distance of a body's centre from that of the first body [m]."""
+        return max(abs(body.x - self.bodies[0].x) for body in self.bodies)
+
+
+class Place(NamedTuple):
+    """One element of one pair, as it stands in the vehicle."""
+
+    element: Bushing | Link
+    sign: tuple[int, int]  # -1: mirrored in x, in y
+    lower: int
+    upper: int
+    lower_arm: np.ndarray  # from the body's centre, z down [m]
+    upper_arm: np.ndarray
+
+
+def placed(vehicle) -> Iterator[tuple[Joint, int, int, list[Place]]]:
+    """Each pair of each joint: the joint, lower and upper body, and its elements (mirrored ones one by one)."""
+    for joint in vehicle.joints:
+        for pair in joint.pairs:
+            lower, upper = (vehicle.names.index(name) for name in pair)
+            bodies = vehicle.bodies[lower], vehicle.bodies[upper]
+            places = []
+            for element in (*joint.bushings, *joint.links):
+                for sign in element.signs:
+                    arms = (_arm(bodies[0].x, end, sign, body) for end, body in zip(element.ends, bodies, strict=True))
+                    places.append(Place(element, sign, lower, upper, *arms))
+            yield joint, lower, upper, places
+
+
+def _arm(origin, point, sign, body):
+    x, y, height = body.centre
+    return np.array([origin + sign[0] * point[0] - x, sign[1] * point[1] - y, height - point[2]])
+
+
+def _carriers(vehicle):
+    for _, _, _, places in placed(vehicle):
+        for place in places:
+            if isinstance(place.element, Bushing) and place.element.carries_weight:
+                yield place
+
+
+def _statics(vehicle):
+    """Loads on the carrying bushings at rest per unit of gravity [kg], and what stays unbalanced (n_body, 3).
+
+    Vertical force, roll and pitch moment of every body balance, but the rails carry a wheelset's force and roll
+    moment: of a wheelset only the pitch moment is asked for, which no axle bearing carries. Of all solutions the one
+    with the least sum of squared loads, which shares a load equally among equal springs.
+    """
+    carriers = list(_carriers(vehicle))
+    matrix = np.zeros((len(vehicle.bodies), 3, len(carriers)))
+    weight = np.zeros((len(vehicle.bodies), 3))
+    weight[:, 0] = [body.mass for body in vehicle.bodies]
+    for column, place in enumerate(carriers):
+        for i, arm, down in ((place.lower, place.lower_arm, 1.0), (place.upper, place.upper_arm, -1.0)):
+            matrix[i, :, column] += down, down * arm[1], -down * arm[0]
+    weight[list(vehicle.wheelsets)] = 0.0
+    matrix[list(vehicle.wheelsets), :2] = 0.0
+    rows = matrix.reshape(weight.size, len(carriers))
+    loads = np.linalg.lstsq(rows, -weight.ravel(), rcond=None)[0] if carriers else np.zeros(0)
+    return loads, weight + (rows @ loads).reshape(weight.shape)
+
+
+def _on_wheelsets(vehicle):
+    """Vertical force and its roll moment on each wheelset at rest per unit of gravity, (n_wheelset, 2) [kg, kg m]."""
+    loads, _ = _statics(vehicle)
+    total = np.array([(body.mass, 0.0) for body in vehicle.bodies])
+    for place, load in zip(_carriers(vehicle), loads, strict=True):
+        total[place.lower] += load, load * place.lower_arm[1]
+        total[place.upper] -= load, load * place.upper_arm[1]
+    return total[list(vehicle.wheelsets)]
+
+
+def static_wheel_loads(vehicle, gravity, tape_circle):
+    """Vertical forces of the wheels on the rails at rest on straight level track.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    gravity : float
+        [m/s^2]
+    tape_circle : float
+        Distance of the tape circles from the middle of a wheelset [m].
+
+    Returns
+    -------
+    numpy.ndarray, shape (n_wheelset, 2)
+        Right and left wheel, down positive [N].
+    """
+    force, moment = gravity * _on_wheelsets(vehicle).T
+    return np.stack([force + moment / tape_circle, force - moment / tape_circle], axis=1) / 2.0
+
+
+class PackedVehicle(NamedTuple):
+    """Arrays of the compiled core (kernels/layout.py) that describe a vehicle; all read-only."""
+
+    body: np.ndarray
+    joint: np.ndarray
+    element: np.ndarray
+    curve: np.ndarray
+    wheel: np.ndarray
+    rest: np.ndarray  # (n_body, 6) coordinates in the nominal geometry, s relative to the first body [m, rad]
+    damper: np.ndarray  # (n_state,) dampers with series stiffness: distance of their ends at rest [m]
+
+
+def pack(vehicle, gravity, tape_circle, friction):
+    """Arrays of a vehicle for the compiled core.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    gravity : float
+        [m/s^2]
+    tape_circle : float
+        Distance of the tape circles from the middle of a wheelset [m].
+    friction : float
+        Coefficient of friction of every wheel.
+
+    Returns
+    -------
+    PackedVehicle
+        Frame x forward, y right, z down. Both wheels of a wheelset adjoin, the right one first. A bushing's preload
+        is the force on the upper body, so one that carries weight is negative along z.
+    """
+    loads, _ = _statics(vehicle)
+    loads = iter(gravity * loads)
+    joints, elements, lengths = [], [], []
+    curves = _Curves()
+    for joint, lower, upper, places in placed(vehicle):
+        record = np.zeros(1, JOINT)[0]
+        record["lower"], record["upper"] = lower, upper
+        record["first"], record["count"] = len(elements), len(places)
+        record["axes"], record["turn"] = _AXES[joint.axes], joint.total_turn_stiffness
+        joints.append(record)
+        for place in places:
+            row = np.zeros(1, ELEMENT)[0]
+            row["lower"], row["upper"] = place.lower_arm, place.upper_arm
+            row["spring_curve"], row["damper_curve"], row["state"] = -1, -1, -1
+            if isinstance(place.element, Bushing):
+                _fill_bushing(row, place.element, place.sign, curves, loads)
+            else:
+                _fill_link(row, place.element, curves, lengths)
+            elements.append(row)
+    rest = np.zeros((len(vehicle.bodies), 6))
+    rest[:, 0] = [body.x - vehicle.bodies[0].x for body in vehicle.bodies]
+    rest[:, 2] = [-body.centre[2] for body in vehicle.bodies]
+    packed = PackedVehicle(
+        body=_bodies(vehicle),
+        joint=np.array(joints, JOINT),
+        element=np.array(elements, ELEMENT),
+        curve=np.array(curves.rows, CURVE),
+        wheel=_wheels(vehicle, tape_circle, friction),
+        rest=rest,
+        damper=np.array(lengths),
+    )
+    for array in packed:
+        array.flags.writeable = False
+    return packed
+
+
+def _fill_bushing(row, bushing, sign, curves, loads):
+    row["kind"] = Kind.BUSHING
+    row["k"], row["c"] = bushing.stiffness, bushing.damping
+    for axis, (table, side) in enumerate(zip(bushing.spring_tables, (*sign, 1), strict=True)):
+        if table is not None:
+            x, y = table.knots()
+            row["spring_curve"][axis] = curves.index(side * x[::side], side * y[::side])
+    if bushing.carries_weight:
+        row["preload"][2] = -next(loads)
+
+
+def _fill_link(row, link, curves, lengths):
+    row["kind"] = Kind.LINK
+    row["k"][0], row["c"][0] = link.stiffness, link.damping
+    row["length"], row["series"] = link.length, link.series_stiffness
+    if link.damper_table is not None:
+        rate, force = link.damper_table.knots()
+        row["damper_curve"] = curves.index(force, rate) if link.series_stiffness else curves.index(rate, force)
+    if link.series_stiffness:
+        row["state"] = len(lengths)
+        lengths.append(link.length)
+
+
+class _Curves:
+    """Rows of the curve array; equal tables share one."""
+
+    def __init__(self):
+        self.rows = []
+        self._known = {}
+
+    def index(self, x, y):
+        key = (tuple(x), tuple(y))
+        if key not in self._known:
+            row = np.zeros(1, CURVE)[0]
+            row["count"], row["x"][: x.size], row["y"][: y.size] = x.size, x, y
+            self._known[key] = len(self.rows)
+            self.rows.append(row)
+        return self._known[key]
+
+
+def _bodies(vehicle):
+    array = np.zeros(len(vehicle.bodies), BODY)
+    for row, body in zip(array, vehicle.bodies, strict=True):
+        row["mass"], row["inertia"], row["spins"] = body.mass, body.inertia, body.is_wheelset
+    return array
+
+
+def _wheels(vehicle, tape_circle, friction):
+    array = np.zeros(2 * len(vehicle.wheelsets), WHEEL)
+    for n, i in enumerate(vehicle.wheelsets):
+        radius = vehicle.bodies[i].wheel_radius
+        for row, side in zip(array[2 * n : 2 * n + 2], (1.0, -1.0), strict=True):
+            row["body"], row["side"], row["table"] = i, side, vehicle.wheel_radii.index(radius)
+            row["lateral"], row["radius"], row["friction"] = tape_circle, radius, friction
+    return array

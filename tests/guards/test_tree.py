@@ -1,0 +1,36 @@
+"""What must not lie in the repository: lock files and names of package registries."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LOCK_FILES = {"uv.lock", "poetry.lock", "pdm.lock", "pylock.toml", "Pipfile.lock", "conda-lock.yml", "pixi.lock"}
+REGISTRIES = [".".join(parts) for parts in (("pypi", "org"), ("pythonhosted", "org"), ("anaconda", "org"))]
+INDEX_SETTINGS = ["-".join(parts) for parts in (("index", "url"), ("find", "links"))]
+
+
+@pytest.fixture(scope="module")
+def files():
+    """Every file that is or would be committed."""
+    if not (ROOT / ".git").exists() or not shutil.which("git"):
+        pytest.skip("the repository's list of files needs git and a checkout")
+    listing = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return [ROOT / name for name in listing.stdout.split("\0") if name and (ROOT / name).is_file()]
+
+
+def test_no_lock_file(files):
+    assert [path for path in files if path.name in LOCK_FILES] == []
+
+
+def test_no_registry_is_named(files):
+    words = [word.encode() for word in REGISTRIES + INDEX_SETTINGS]
+    assert [(path, word) for path in files for word in words if word in path.read_bytes()] == []

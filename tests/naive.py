@@ -1,0 +1,205 @@
+"""Slow and obvious twins of the kernels."""
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+from scipy.special import ellipe, ellipkm1
+
+
+def hertz_displacement(a, b, peak, modulus, x, y):
+    """Sum of both bodies' normal displacements [m] at (x, y) under half an ellipsoid of pressure.
+
+    Each chord through the point carries a semi-ellipse of pressure, whose integral is exact; the sum over the
+    directions of the chords is a trapezoid rule on a periodic function. modulus = E / (2 (1 - nu^2)) [Pa].
+    """
+    angle = np.linspace(0, np.pi, 4001)[:-1]
+    c, s = np.cos(angle), np.sin(angle)
+    square = (c / a) ** 2 + (s / b) ** 2
+    mixed = x * c / a**2 + y * s / b**2
+    height = 1 - (x / a) ** 2 - (y / b) ** 2 + mixed**2 / square
+    chords = np.pi / 2 * height / np.sqrt(square)
+    return peak / (np.pi * modulus) * np.pi * chords.mean()
+
+
+def hertz_ellipse(along, across, young, poisson, normal):
+    """Semi-axes and approach (a along x, b along y, delta) [m] by scipy's elliptic integrals and Brent's method."""
+    low, high = sorted([along, across])
+    modulus = young / (2 * (1 - poisson**2))
+
+    def integrals(kappa):
+        first, second = ellipkm1(kappa**2), ellipe(1 - kappa**2)
+        return first, (first - second) / (1 - kappa**2), (second - kappa**2 * first) / (1 - kappa**2)
+
+    def error(log_kappa):
+        _, d, b = integrals(np.exp(log_kappa))
+        return np.log(b / d) - 2 * log_kappa - np.log(high / low)
+
+    kappa = np.exp(brentq(error, -20, -1e-4, xtol=1e-15))
+    first, d, _ = integrals(kappa)
+    long = (3 * normal * d / (2 * np.pi * modulus * low)) ** (1 / 3)
+    approach = 3 * normal * first / (2 * np.pi * modulus * long)
+    return (long, kappa * long, approach) if along <= across else (kappa * long, long, approach)
+
+
+def kalker_coefficients(table, a_over_b, poisson):
+    """C11, C22, C23, C33 from rows (a / b, nu = 0, 1/4, 1/2 of each): linear in min(a/b, b/a), parabola in 1 / C."""
+    g = np.minimum(table[:, 0], 1 / table[:, 0])
+    rows = table[table[:, 0] < 1 + 1e-9] if a_over_b <= 1 else table[table[:, 0] > 1 - 1e-9][::-1]
+    g = np.minimum(rows[:, 0], 1 / rows[:, 0])
+    at_g = np.array([np.interp(min(a_over_b, 1 / a_over_b), g, column) for column in rows[:, 1:].T]).reshape(4, 3)
+    return [1 / np.polyval(np.polyfit([0, 0.25, 0.5], 1 / values, 2), poisson) for values in at_g]
+
+
+def kalker_asymptotes(a_over_b, poisson):
+    """Kalker's (1990, table E.3) C11, C22, C23 of slender ellipses; C33 by strips for a << b, None for a >> b."""
+    nu, pi = poisson, np.pi
+    if a_over_b < 1:
+        g = a_over_b
+        big = np.log(16 / g**2)
+        return [
+            pi**2 / (4 * (1 - nu)),
+            pi**2 / 4,
+            pi * np.sqrt(g) / (3 * (1 - nu)) * (1 + nu * (big / 2 + np.log(4) - 5)),
+            pi**2 / (16 * (1 - nu) * g),
+        ]
+    g = 1 / a_over_b
+    big = np.log(16 / g**2)
+    return [
+        2 * pi / ((big - 2 * nu) * g) * (1 + (3 - np.log(4)) / (big - 2 * nu)),
+        2 * pi / g * (1 + (1 - nu) * (3 - np.log(4)) / ((1 - nu) * big + 2 * nu)) / ((1 - nu) * big + 2 * nu),
+        2 * pi / (3 * g**1.5) / ((1 - nu) * big - 2 + 4 * nu),
+        None,
+    ]
+
+
+def linear_rolling(a_over_b, poisson, across_x, across_y):
+    """C11, C22, C23, C33 by boundary elements: the linear theory of rolling itself, without slip.
+
+    The ellipse is cut into across_x by across_y rectangles of constant traction on two elastic half-spaces. A particle
+    that travels backwards by one element meets u(x) - u(x + dx) = creepage dx, with no traction ahead of the ellipse.
+    """
+    a, b = np.sqrt(a_over_b), 1 / np.sqrt(a_over_b)
+    dx, dy = 2 * a / across_x, 2 * b / across_y
+    x = (np.arange(across_x) + 0.5) * dx - a
+    y = (np.arange(across_y) + 0.5) * dy - b
+    i, j = np.nonzero((x[:, None] / a) ** 2 + (y[None, :] / b) ** 2 < 1)
+    x, y = x[i], y[j]
+
+    def over_rectangle(integral):
+        far_x, far_y = np.meshgrid(np.arange(-across_x, across_x + 2) * dx, np.arange(-across_y, across_y + 1) * dy)
+        edges = [(s, t, s * t) for s in (1, -1) for t in (1, -1)]
+        values = sum(sign * integral(far_x + s * dx / 2, far_y + t * dy / 2) for s, t, sign in edges).T
+        step = values[:-1] - values[1:]
+        return step[i[:, None] - i + across_x, j[:, None] - j + across_y]
+
+    xx = over_rectangle(lambda p, q: q * np.arcsinh(p / np.abs(q)))  # x^2 / R^3, integrated over the rectangle
+    yy = over_rectangle(lambda p, q: p * np.arcsinh(q / np.abs(p)))  # y^2 / R^3
+    xy = over_rectangle(lambda p, q: -np.hypot(p, q))  # x y / R^3
+    cerruti = np.block([[xx + (1 - poisson) * yy, poisson * xy], [poisson * xy, (1 - poisson) * xx + yy]]) / np.pi
+    none, one = np.zeros_like(x), np.ones_like(x)
+    creepage = dx * np.column_stack([np.r_[one, none], np.r_[none, one], np.r_[-y, x + dx / 2]])
+    px, py = np.split(np.linalg.solve(cerruti, creepage) * dx * dy, 2)
+    fx, fy, mz = px.sum(0), py.sum(0), (x[:, None] * py - y[:, None] * px).sum(0)
+    return [fx[0], fy[1], (fy[2] - mz[1]) / 2, mz[2]]
+
+
+def creep_forces(smooth, linear, limit, creepage):
+    """Tx, Ty, Mz from the matrix of the linear law, one factor for all, by Shen's cubic or cut off at the limit."""
+    force = -linear @ creepage
+    size = np.hypot(force[0], force[1])
+    if size == 0:
+        return force
+    u = size / limit
+    if smooth:
+        allowed = limit * (u - u**2 / 3 + u**3 / 27) if u < 3 else limit
+    else:
+        allowed = min(size, limit)
+    return force * allowed / size
+
+
+# --- Track and bodies, from their definitions ---
+
+
+def track_course(track, s):
+    """Heading, plan position as x + i y, curvature and cant at one s >= 0, by integrating the sections one by one.
+
+    Clothoid: linear; Bloss: 3 x^2 - 2 x^3. cant is the height of the left over the right rail.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    heading, plan = 0.0, 0.0j
+    sections = track.sections
+    for i, section in enumerate(sections):
+        if section.kind == "transition":
+            one, two, x = sections[i - 1], sections[i + 1], np.polynomial.Polynomial([0.0, 1.0 / section.length])
+            share = x if section.shape == "clothoid" else 3 * x**2 - 2 * x**3
+        else:
+            one, two, share = section, section, np.polynomial.Polynomial([0.0])
+        bend = one.curvature + (two.curvature - one.curvature) * share
+        last = i == len(sections) - 1
+        length = s if last else min(section.length, s)
+        cuts = np.linspace(0.0, length, 9)
+        for low, high in zip(cuts, cuts[1:], strict=False):
+            u = (low + high) / 2 + (high - low) / 2 * nodes
+            plan += (high - low) / 2 * np.sum(weights * np.exp(1j * (heading + bend.integ()(u))))
+        heading += bend.integ()(length)
+        s -= length
+        if s <= 0.0:
+            cant = one.signed_cant + (two.signed_cant - one.signed_cant) * share(length)
+            return heading, plan, bend(length), cant
+    raise ValueError("beyond the track")
+
+
+def track_pose(track, s, cant_base):
+    """Origin and axes (columns) of the track frame: turned by the heading about z, then by the cant about x."""
+    heading, plan, _, cant = track_course(track, s)
+    axes = Rotation.from_euler("ZX", [heading, np.arcsin(cant / cant_base)]).as_matrix()
+    return np.array([plan.real, plan.imag, 0.0]), axes
+
+
+def body_pose(track, q, cant_base):
+    """Centre and axes of a body in ground axes; yaw, roll, pitch turn it in this order, each about its newest axis."""
+    origin, axes = track_pose(track, q[0], cant_base)
+    own = Rotation.from_euler("ZXY", [q[5], q[3], q[4]]).as_matrix()
+    return origin + axes @ np.array([0.0, q[1], q[2]]), axes @ own
+
+
+# --- Force elements: the energy that their springs hold ---
+
+
+def curve_energy(curve, x):
+    """Integral from 0 to x of a piecewise linear force, continued along its last slopes."""
+    count = curve["count"]
+    xs, ys = curve["x"][:count], curve["y"][:count]
+    inner = xs[1:-1][(xs[1:-1] > min(0.0, x)) & (xs[1:-1] < max(0.0, x))]
+    points = np.sort(np.concatenate([[0.0, x], inner]))
+    slopes = np.diff(ys) / np.diff(xs)
+    piece = np.clip(np.searchsorted(xs, (points[1:] + points[:-1]) / 2) - 1, 0, count - 2)
+    middle = ys[piece] + slopes[piece] * ((points[1:] + points[:-1]) / 2 - xs[piece])
+    return np.sign(x) * np.sum(middle * np.diff(points))
+
+
+def joint_energy(model, j, lower, upper, damper):
+    """Energy of joint j; lower, upper : (position, axes) of its bodies.
+
+    Bushings stretch along the axes of the upper body or along those halfway between the bodies (half the rotation
+    vector); the rotational stiffness counts twice the sine of half the angle.
+    """
+    joint = model.joint[j]
+    relative = Rotation.from_matrix(lower[1].T @ upper[1])
+    half = Rotation.from_rotvec(relative.as_rotvec() / 2).as_matrix()
+    frame = lower[1] @ half if joint["axes"] == 0 else upper[1]
+    energy = 0.5 * np.sum(joint["turn"] * (2 * relative.as_quat()[:3]) ** 2)
+    for element in model.element[joint["first"] : joint["first"] + joint["count"]]:
+        gap = upper[0] + upper[1] @ element["upper"] - lower[0] - lower[1] @ element["lower"]
+        if element["kind"] == 0:
+            d = frame.T @ gap
+            energy += np.sum(0.5 * element["k"] * d**2 - element["preload"] * d)
+            energy += sum(curve_energy(model.curve[i], x) for i, x in zip(element["spring_curve"], d) if i >= 0)
+            continue
+        stretch = np.linalg.norm(gap) - element["length"]
+        energy += 0.5 * element["k"][0] * stretch**2 + element["preload"][0] * stretch
+        if element["spring_curve"][0] >= 0:
+            energy += curve_energy(model.curve[element["spring_curve"][0]], stretch)
+        if element["state"] >= 0:
+            energy += 0.5 * element["series"] * (np.linalg.norm(gap) - damper[element["state"]]) ** 2
+    return energy

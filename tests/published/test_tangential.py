@@ -1,0 +1,82 @@
+"""Saturated creep forces against CONTACT's full solution; origin and signs in tests/data/contact/SOURCE.md.
+
+CONTACT lists slip of rail over wheel and the force on the rail; with all signs flipped the law keeps its form.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import tolerances as tol
+from numpy.testing import assert_allclose
+
+from railcli.kernels import creep, kalker
+from railcli.kernels.layout import Creep
+
+ROWS = pd.read_csv(Path(__file__).parents[1] / "data/contact/tangential_hertz.csv", comment="#")
+LIMIT, SHEAR, POISSON = 0.3 * 82e3, 82e9, 0.28
+SPINS = sorted(abs(ROWS.phi_per_mm).unique())  # 0 and three steps; a 1:20 cone of 0.46 m radius spins 1.5 of the first
+STATES = {"no spin": SPINS[:1], "light spin": SPINS[1:2], "medium spin": SPINS[2:3], "heavy spin": SPINS[3:]}
+SHAPES = {"a:b = 1:2": 6, "a:b = 2:1": 12}
+
+
+def deviations(law, rows):
+    """Distance of the force vectors over mu N, distance of the moments over mu N sqrt(a b), excess of the size."""
+    found = []
+    for row in rows.itertuples():
+        a, b = row.a_mm * 1e-3, row.b_mm * 1e-3
+        f = kalker.stiffness(a, b, SHEAR, POISSON)
+        tx, ty, mz = creep.forces(int(law), *f, LIMIT, row.xi, row.eta, row.phi_per_mm * 1e3)
+        found.append((tx / LIMIT, ty / LIMIT, mz / (LIMIT * np.sqrt(a * b))))
+    found, full = np.array(found), rows[["fx", "fy", "mz"]].to_numpy()
+    size = np.hypot(*found[:, :2].T) - np.hypot(*full[:, :2].T)
+    return np.hypot(*(found - full)[:, :2].T), abs(found - full)[:, 2], size
+
+
+@pytest.mark.parametrize("law", list(Creep), ids=lambda law: law.name)
+@pytest.mark.parametrize("state", STATES)
+def test_creep_force(law, state):
+    force, moment, _ = deviations(law, ROWS[abs(ROWS.phi_per_mm).isin(STATES[state])])
+    mean, largest, mean_moment = tol.CREEP_AGAINST_CONTACT[law.name, state]
+    assert force.mean() < mean
+    assert force.max() < largest
+    assert moment.mean() < mean_moment
+
+
+def test_smooth_is_the_closer_law_in_every_state():
+    for spins in STATES.values():
+        rows = ROWS[abs(ROWS.phi_per_mm).isin(spins)]
+        assert deviations(Creep.SMOOTH, rows)[0].mean() < deviations(Creep.HARD, rows)[0].mean()
+
+
+def test_hard_law_never_gives_less_than_the_full_solution_without_spin():
+    """The linear force and the friction limit both bound the force from above."""
+    size = deviations(Creep.HARD, ROWS[ROWS.phi_per_mm == 0])[2]
+    assert size.min() > -tol.CONTACT_ROUNDING
+
+
+def test_smooth_size_without_spin():
+    size = deviations(Creep.SMOOTH, ROWS[ROWS.phi_per_mm == 0])[2]
+    assert abs(size).max() < tol.CREEP_SIZE_SMOOTH
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_coefficients_are_the_slopes_at_zero_creepage(shape):
+    """A parabola through the six smallest creepages, over creepage, gives CONTACT's slopes: C11, C22 and C23."""
+    rows = ROWS[(ROWS.a_mm == SHAPES[shape]) & (ROWS.phi_per_mm == 0)]
+    c = np.sqrt(72e-6)
+    expected = kalker.coefficients(rows.a_mm.iloc[0] / rows.b_mm.iloc[0], POISSON)
+    along, across = (rows[(rows[x] != 0) & (rows[y] == 0)] for x, y in (("xi", "eta"), ("eta", "xi")))
+    slopes = [
+        -slope(along.xi, along.fx) * LIMIT / (SHEAR * c**2),
+        -slope(across.eta, across.fy) * LIMIT / (SHEAR * c**2),
+        slope(across.eta, across.mz) * LIMIT / (SHEAR * c**2),
+    ]
+    assert_allclose(slopes, expected[:3], rtol=tol.CONTACT_SLOPE)
+
+
+def slope(creepage, force):
+    order = abs(creepage).sort_values().index[:6]
+    scaled = abs(creepage[order]) * 1e4
+    return np.polyfit(scaled, force[order] / creepage[order], 2)[-1]

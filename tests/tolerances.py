@@ -1,0 +1,72 @@
+"""Every tolerance of the tests: one name, one home, one reason."""
+
+# --- Hertz, Kalker and creep kernels ---
+ROUNDING = 1e-12  # a few operations in double precision
+HERTZ = 1e-13  # axis ratio solved to 1e-13; measured against the twin: 2e-15
+HERTZ_QUADRATURE = 1e-12  # of the approach: the sum over chords converges exponentially; measured 5e-16
+HERTZ_EXAMPLES = 6e-8  # half a unit of the table's eighth digit
+HERTZ_MN_EXACT = 6e-7  # the table has 6 decimals
+HERTZ_MN_CLASSICAL = 2.2e-3  # slide-rule values with 3 decimals; largest error 2.1e-3 (n at 70 degrees)
+KALKER_NODE = 1e-12  # the same table, rounding only
+KALKER_ASYMPTOTE = 0.07  # leading terms only, at g = 0.1; measured 6.4 % (C23, nu = 1/2)
+KALKER_LIMIT = 1e-6  # at g <= 1e-6 the factor of at most 7 % that meets the table has faded to g / 0.1 of it
+KALKER_C33_LONG = 0.035  # continued straight where the table bends as g squared; measured 3.0 %
+BOUNDARY_ELEMENTS = 0.03  # 40 x 20 constant elements are too stiff by 1 to 2.5 %
+BOUNDARY_ELEMENTS_SLENDER = 0.055  # the same, and what lies between asymptote and table; measured 4.6 % (C33)
+DIFFERENCE_QUOTIENT = 1e-6  # central differences with steps of 1e-5 to 1e-6 of the variable
+CONTACT_SLOPE = 0.03  # CONTACT on 61 x 61 elements, extrapolated by a parabola; measured 1.5 %
+CONTACT_ROUNDING = 1e-6  # the file's six decimals
+# Distance to CONTACT: mean and largest of the force over mu N, mean of the moment over mu N sqrt(a b); bounds are the
+# measured values and a tenth. HARD cuts what Shen's cubic rounds: 0.30 at the corner. Without spin SMOOTH errs
+# in direction, which the linear law keeps at full slip where C11 differs from C22. One factor for force and moment
+# leaves a spin moment at full slip, where the true one vanishes. Heavy spin is outside the range of both laws.
+CREEP_AGAINST_CONTACT = {
+    ("HARD", "no spin"): (0.059, 0.29, 0.23),
+    ("HARD", "light spin"): (0.072, 0.41, 0.24),
+    ("HARD", "medium spin"): (0.10, 0.51, 0.28),
+    ("HARD", "heavy spin"): (0.20, 0.77, 0.40),
+    ("SMOOTH", "no spin"): (0.023, 0.103, 0.21),
+    ("SMOOTH", "light spin"): (0.041, 0.12, 0.23),
+    ("SMOOTH", "medium spin"): (0.066, 0.25, 0.25),
+    ("SMOOTH", "heavy spin"): (0.142, 0.49, 0.34),
+}
+CREEP_SIZE_SMOOTH = 0.04  # Shen's cubic against the full solution; measured 0.036 at a : b = 1 : 2
+
+# --- Profiles (lengths in m) ---
+PROFILE_GRID = 1e-12  # a solved crossing: rounding of coordinates below 0.2 m
+PROFILE_CURVE = 1e-10  # cubic pieces 0.25 mm long between points rounded to 1e-12 m; measured 1.4e-11
+PROFILE_SLOPE = 1e-8  # rad: points rounded to 1e-12 m, 0.25 mm apart, and angles to 1e-12
+PROFILE_RADIUS = 5e-5  # of a radius: the same rounding in second differences, worst on R300; measured 2.5e-5
+CHORD = 3e-6  # a chord of 1 micrometre is (1 um / radius)^2 / 24 shorter than its arc: 2.7e-6 on R 0.1 mm
+ROUNDED_CORNER = 5e-6  # tangents at a corner of 72 degrees bulge a piece 0.1 mm long by 2.4 micrometres
+TANGENT_AT_A_JOIN = 3e-3  # rad: points 0.1 mm apart see half of a jump of curvature of 1/13 mm; measured 2.7e-3
+FLANGE_DIMENSION = 1e-9  # sections are defined to 1e-12 m; the flank misses 32.5 mm by 3e-11
+FLANGE_QR = 5e-6  # the published value has two decimals of a millimetre
+GAUGE_POINT = 5e-8  # published to 1e-7 m
+INDEPENDENT_PROFILE = 0.03e-3  # demanded of the agreement with digitised profiles
+MANCHESTER_WHEEL = 1.3e-7  # section C is moved by up to 0.12 micrometres to close the steps at its ends
+BROKEN_EDGE = 7e-6  # what radius 0.1 mm takes off the edge between tread and chamfer
+MANCHESTER_RAIL = 1e-7  # measured 6.2e-8 once R80 is as wide as a head of 72 mm asks
+EN15302_RAIL_TOP = 1.5e-6  # digitised from smoothed points; measured 1.0e-6
+SECTION_STEP = 1.3e-7  # largest step of the published S1002 sections, 0.12 micrometres at s = -35 mm
+
+# --- Vehicle, track and scenario descriptions ---
+PRINTED_LOAD = 0.5  # [N] half a unit of the last digit of loads printed in kN with three decimals
+STATICS = 1e-6  # [N, N m] rounding in least squares among loads of 1e5 N
+PLACE = 1e-12  # [m] sums of a few coordinates of at most 10 m
+TRACK_PLACE = 1e-9  # [m] 1e-12 per piece and rounding of some hundred metres, summed over up to 200 pieces
+TRACK_HEADING = 1e-12  # [rad, 1/m, m] rounding in the shifted polynomials
+TRACK_JOIN = 1e-10  # [m, rad] two pieces evaluated at the same place some hundred metres from the origin
+TRACK_TANGENT = 1e-8  # [rad] chord of 0.2 mm: rounding of a position of 300 m over it, and its curvature's change
+
+# --- Mechanics of the compiled core ---
+TRACK_AXES = 1e-11  # [-] rounding of headings of some radian, summed over up to 200 pieces
+TRACK_TURNING = 1e-8  # [1/m] central differences over 2 mm: rounding 1e-13, curvature's third derivative far less
+RATE = 1e-7  # [m/s, rad/s] central differences over 0.2 ms of places of 300 m: rounding 3e-10; third derivatives 2e-8
+TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
+ENERGY_SLOPE = 1e-7  # central differences over 2e-5 m or rad: rounding 1e-10, third derivatives 1e-10; a table's corner 1e-8
+RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it; falls with the square
+FREE_MOTION = 1e-7  # second order at 0.25 ms
+ORDER_TWO = 0.1  # of the ratio 4 of errors at steps h and h / 2
+PARABOLA = 1e-6
+PRECESSION = 1e-5
