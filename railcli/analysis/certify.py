@@ -12,6 +12,8 @@ LOADED = 0.1e-3  # branches within this of the deepest count as loaded, and the 
 FINE = 0.1e-3  # stations of the direct search along the locus [m]
 SEED = 20260101
 QUANTITIES = ("gap_um", "position_mm", "angle_mrad", "radius_um")
+LIMITS = {"gap_um": 1.2, "angle_mrad": 1.0, "radius_um": 10.0}  # of the errors' p99, which a good table keeps
+MOST_MISSED = 1e-3  # of the compared branches: loaded contacts missed or invented
 MISSED_BARRIER = 1.0e-6  # minima that a shallower saddle parts from a deeper one are one contact [m]
 
 
@@ -79,9 +81,9 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     -------
     dict
         `poses`, `branches` compared, `near_end_share` (within one cell of a branch's end: counted apart and left out
-        of the errors), `missed` loaded contacts and `invented` ones outside such cells, for every quantity
-        (gap_um, position_mm, angle_mrad, radius_um) p99, p99.9, max and where the worst is, and the p99 per region;
-        without the quantities when there was nothing to compare.
+        of the errors), `missed` loaded contacts and `invented` ones outside such cells, `overfull` poses with
+        more branches than the core keeps, for every quantity (gap_um, position_mm, angle_mrad, radius_um) p99, p99.9,
+        max and where the worst is, and the p99 per region; without the quantities when there was nothing to compare.
     """
     mounting = mount(wheel, rail, table.settings)
     low = mounting.wheel_start
@@ -89,15 +91,16 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     record = table.record[0]
     sample = np.zeros((MAX_CONTACT, NODE_CHANNELS))
     errors, regions, where = [], [], []
-    apart = missed = invented = 0
+    apart = missed = invented = overfull = 0
     for number, pose in enumerate(random_poses(table.settings, poses, seed)):
         mirror = np.array([pose[0], pose[1], abs(pose[2])])
         truth = direct_contacts(mounting, mirror, station)
         depth = truth[:, 1].min() + LOADED
         truth = truth[(truth[:, 1] < depth) & (truth[:, 4] > MISSED_BARRIER)]
         count = look_up(record, table.node, table.cell, table.branch, *pose, depth, sample)
-        looked = sample[:count].copy()
-        taken = np.zeros(count, bool)
+        overfull += count > MAX_CONTACT
+        looked = sample[: min(count, MAX_CONTACT)].copy()
+        taken = np.zeros(looked.shape[0], bool)
         for s, gap, angle, radius, _ in truth:
             free = np.flatnonzero(~taken)
             if near_end(table, record, mirror, s):
@@ -134,6 +137,7 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
         "near_end_share": apart / max(apart + errors.shape[0], 1),
         "missed": missed,
         "invented": invented,
+        "overfull": overfull,
     }
     if not errors.size:
         return certificate
@@ -156,3 +160,19 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
             },
         }
     return certificate
+
+
+def shortcomings(certificate):
+    """Sentences that say in what a table falls short of LIMITS; none for a good one."""
+    if certificate["branches"] == 0:
+        return ["no branch could be compared: the grid is too coarse"]
+    texts = [
+        f"p99 of {key} is {certificate[key]['p99']:.3g}, allowed: {limit:g}"
+        for key, limit in LIMITS.items()
+        if not certificate[key]["p99"] <= limit
+    ]
+    for key in ("missed", "invented"):
+        if certificate[key] > MOST_MISSED * certificate["branches"]:
+            allowed = MOST_MISSED * certificate["branches"]
+            texts.append(f"{certificate[key]} contacts {key}, allowed: {allowed:.0f} of {certificate['branches']}")
+    return texts

@@ -45,8 +45,9 @@ class Equilibrium:
 class _Steady:
     """Unknowns of a steady motion and the accelerations that belong to them."""
 
-    def __init__(self, system, model, speed, s):
+    def __init__(self, system, model, speed, s, held=None):
         self.model, self.s = model, s
+        self.held = held or {}
         self.data = system.start(s)
         self.rest = system.rest
         self.damper = system.damper
@@ -56,6 +57,9 @@ class _Steady:
         coordinate[:, [1, 2, 3, 5]] = True
         coordinate[~spins, 4] = True
         coordinate[1:, 0] = True
+        coordinate[list(self.held), 1] = False
+        self.free = np.ones(6 * n, bool)
+        self.free[[6 * i + 1 for i in self.held]] = False
         self.coordinate = coordinate
         self.spins = spins
         self.moving = speed > 0.0
@@ -78,11 +82,19 @@ class _Steady:
             x[-1] = speed
         return x
 
+    def unknowns(self, data):
+        """The unknowns at the motion that data holds."""
+        q = data.q.copy()
+        q[:, 0] -= q[0, 0]
+        return np.concatenate([q[self.coordinate], data.rate[self.spins, 4], data.rate[:1, 0]])
+
     def place(self, x, turning):
         """Write the motion x into data; turning : rotation of the track frame per metre [1/m]."""
         data = self.data
         q = np.zeros_like(data.q)
         q[self.coordinate] = x[: self.n_q]
+        for i, y in self.held.items():
+            q[i, 1] = y
         q[0, 0] = 0.0
         q[:, 0] += self.s
         data.q[:] = q
@@ -105,7 +117,7 @@ class _Steady:
         status = evaluate(self.model, self.data, SETTLED)
         if status != 0:
             return None, status
-        return self.data.dv.ravel().copy(), 0
+        return self.data.dv.ravel()[self.free], 0
 
 
 def touching_depth(model):
@@ -176,11 +188,36 @@ def static(system):
     return _finish(motion, x, (0.0, 0.0, 0.0), residual, iterations)
 
 
-def steady(system, curvature, cant, speed=None):
+def _follow(solve, x):
+    """Follow a solution while a share goes from 0 to 1, in strides that shrink where Newton's method fails.
+
+    solve : called with the share and a first guess; returns motion, x, turning, residual and iterations.
+    Returns the last motion, x, turning, residual and all iterations; a residual beyond TOLERANCE says that it stopped.
+    """
+    done, stride, total = 0.0, 0.25, 0
+    while True:
+        share = min(done + stride, 1.0)
+        motion, after, turning, residual, iterations = solve(share, x)
+        total += iterations
+        if residual < TOLERANCE:
+            x, done, stride = after, share, 1.5 * stride
+            if done == 1.0:
+                return motion, x, turning, residual, total
+            continue
+        stride *= 0.5
+        if stride < SHORTEST_STRIDE:
+            return motion, after, turning, residual, total
+
+
+def _turning(curvature, cant, base):
+    sine = cant / base
+    return 0.0, curvature * sine, curvature * np.sqrt(1.0 - sine**2)
+
+
+def steady(system, curvature, cant, speed=None, lateral=None):
     """Quasi-static curving: the steady motion at constant speed in a constant curve.
 
-    Found by Newton's method while curvature and cant grow together from straight track, in steps that shrink where
-    the method fails.
+    Found by Newton's method while curvature and cant grow together from straight track.
 
     Parameters
     ----------
@@ -191,6 +228,9 @@ def steady(system, curvature, cant, speed=None):
         Height of the left over the right rail [m].
     speed : float, optional
         Asked for [m/s]; the system's own when absent.
+    lateral : dict of int to float, optional
+        Bodies that a lateral force brings from their steady place to this lateral position [m] and keeps there:
+        minus data.load[i, 1] of the result [N].
 
     Returns
     -------
@@ -205,23 +245,35 @@ def steady(system, curvature, cant, speed=None):
     param = system.model.param.copy()
     param["speed"] = speed
     base = param[0]["cant_base"]
-    done, stride, x, total = 0.0, 0.25, None, 0
-    while done < 1.0:
-        share = min(done + stride, 1.0)
+
+    def into_curve(share, x):
         track = pack(constant_track(share * curvature, share * cant))
         motion = _Steady(system, freeze(system.model._replace(param=param, track=track)), speed, 0.0)
-        sine = share * cant / base
-        turning = (0.0, share * curvature * sine, share * curvature * np.sqrt(1.0 - sine**2))
-        guess = motion.first_guess(speed) if x is None else x
-        after, residual, iterations = _newton(motion, guess, turning)
-        total += iterations
-        if residual < TOLERANCE:
-            x, done, stride = after, share, 1.5 * stride
-            continue
-        stride *= 0.5
-        if stride < SHORTEST_STRIDE:
-            raise SimulationError(
-                f"no steady motion found at {speed:g} m/s, curvature {share * curvature:.3g} 1/m, cant "
-                f"{share * cant * 1e3:.3g} mm: an acceleration of {residual:.2g} m/s^2 stays"
-            )
+        turning = _turning(share * curvature, share * cant, base)
+        return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
+
+    motion, x, turning, residual, total = _follow(into_curve, None)
+    if residual < TOLERANCE and lateral:
+        model = motion.model
+        own = {i: motion.data.q[i, 1] for i in lateral}
+        free_x = _Steady(system, model, speed, 0.0, own).unknowns(motion.data)
+
+        def aside(share, x):
+            there = {i: own[i] + share * (lateral[i] - own[i]) for i in lateral}
+            motion = _Steady(system, model, speed, 0.0, there)
+            return (motion, *_solve(motion, x, turning))
+
+        motion, x, turning, residual, more = _follow(aside, free_x)
+        total += more
+    if not residual < TOLERANCE:
+        raise SimulationError(
+            f"no steady motion found at {speed:g} m/s, curvature {curvature:.4g} 1/m, cant {cant * 1e3:.3g} mm: an "
+            f"acceleration of {residual:.2g} m/s^2 stays"
+        )
     return _finish(motion, x, turning, residual, total)
+
+
+def _solve(motion, guess, turning):
+    x, residual, iterations = _newton(motion, guess, turning)
+    motion.accelerations(x, turning)
+    return x, turning, residual, iterations

@@ -1,11 +1,179 @@
 """`railcli build-lut`: build or check a contact table."""
 
+import sys
+from pathlib import Path
+
 import click
 
-from railcli.errors import RailcliError
+from .options import format_option, output_option, overwrite_option, quiet_option
+
+DEFAULT_WHEEL, DEFAULT_RAIL = "ORES1002", "UIC60"
 
 
-@click.command("build-lut", short_help="Build a wheel-rail contact table.")
-def build_lut():
-    """Build a wheel-rail contact table by minimising the distance of wheel and rail."""
-    raise RailcliError("build-lut: not available yet")
+def setting(option, default, unit, text, per_si=1.0, kind=float):
+    """Decorator for an option that sets one value of a table; the command gets it in SI, or None when it is absent."""
+
+    def to_si(ctx, param, value):
+        return None if value is None else value / per_si
+
+    return click.option(option, type=kind, callback=to_si, metavar=unit, help=f"{text}  [default: {default}]")
+
+
+@click.command("build-lut", short_help="Build or check a wheel-rail contact table.")
+@click.option("--wheel", metavar="NAME|FILE", help=f"Wheel profile: bundled or a file.  [default: {DEFAULT_WHEEL}]")
+@click.option("--rail", metavar="NAME|FILE", help=f"Rail profile: bundled or a file.  [default: {DEFAULT_RAIL}]")
+@setting("--inclination", "20", "N", "Rail inclination 1:N; 0 is upright.")
+@setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3)
+@setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3)
+@setting("--radius", "460", "MM", "Wheel radius at the tape circle.", 1e3)
+@setting("--young", "210", "GPA", "Young's modulus of wheel and rail.", 1e-9)
+@setting("--poisson", "0.28", "NUMBER", "Poisson's ratio of wheel and rail.")
+@setting("--y-range", "20", "MM", "Lateral position of the wheel about nominal, to both sides.", 1e3)
+@setting("--y-step", "0.05", "MM", "Its step.", 1e3)
+@setting("--roll-range", "25", "MRAD", "Roll, to both sides.", 1e3)
+@setting("--roll-step", "1.25", "MRAD", "Its step.", 1e3)
+@setting("--yaw-range", "30", "MRAD", "Yaw, to both sides.", 1e3)
+@setting("--yaw-count", "11", "NUMBER", "Values of yaw from 0, in equal steps of its square.", 1, int)
+@setting("--curvature-window", "2", "MM", "Arc length over which profile curvature is averaged.", 1e3)
+@click.option(
+    "--method",
+    type=click.Choice(["simplex", "locus"]),
+    default="simplex",
+    show_default=True,
+    help="Nelder and Mead on the difference surface, or its closed-form twin.",
+)
+@click.option("--check", type=click.Path(path_type=Path), metavar="FILE", help="Build nothing; verify this table.")
+@click.option(
+    "--poses",
+    type=click.IntRange(min=0),
+    default=20_000,
+    show_default=True,
+    help="Random poses at which look-up is compared with direct minimisation; 0: no comparison.",
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Of these poses.  [default: a fixed one; --check: a new one]")
+@click.option(
+    "--plot",
+    is_flag=False,
+    flag_value="",
+    metavar="[FILE]",
+    help="Draw profiles, contact points, rolling radius difference, contact angle and branches "
+    "(.png, .svg, .pdf)  [default: beside the table]",
+)
+@output_option("the cache, where runs look for it")
+@overwrite_option
+@quiet_option
+@format_option
+def build_lut(wheel, rail, method, check, poses, seed, plot, output, overwrite, quiet, output_format, **given):
+    """Build a wheel-rail contact table, or check one.
+
+    Every contact point of a right-hand wheel is found by minimising the distance of wheel and rail, over a grid of
+    lateral position, roll and yaw. The table is then compared with direct minimisation at random poses.
+
+    \b
+    Examples:
+      railcli build-lut
+      railcli build-lut --rail 60E1 --inclination 40 -o table.h5 --plot
+      railcli build-lut --check table.h5
+    """
+    from railcli.files.output import json_text
+    from railcli.report.figures import check_format
+
+    settings = {key: value for key, value in given.items() if value is not None}
+    if plot:
+        check_format(Path(plot))
+    if check is not None:
+        refused = [*settings, *(["output"] if output else [])]
+        if refused:
+            option = refused[0].replace("_", "-")
+            raise click.UsageError(f"--{option} is for building a table; --check only reads one.")
+        lines, facts, complaint = _check(check, wheel, rail, poses, seed, plot, overwrite, quiet)
+    else:
+        lines, facts = _build(settings, wheel, rail, method, poses, seed, plot, output, overwrite, quiet)
+        complaint = None
+    click.echo(json_text(facts) if output_format == "json" else "\n".join(lines))
+    if complaint is not None:
+        sys.stdout.flush()
+        raise complaint
+
+
+def _build(settings, wheel, rail, method, poses, seed, plot, output, overwrite, quiet):
+    from railcli.files import tables
+    from railcli.files.output import output_file, results_folder
+    from railcli.files.profiles import load_profile
+    from railcli.model.contact_table import TableSettings
+    from railcli.report import contact
+
+    settings = TableSettings(**settings)
+    wheel = load_profile(wheel or DEFAULT_WHEEL, "wheel")
+    rail = load_profile(rail or DEFAULT_RAIL, "rail")
+    path = output_file(output, overwrite) if output else tables.cached_path(settings, wheel, rail, method)
+    picture = None
+    if plot:
+        picture = output_file(plot, overwrite)
+    elif plot is not None and output:
+        picture = output_file(path.with_suffix(".png"), overwrite)
+    say = None if quiet else lambda text: click.echo(text, err=True)
+    table, facts, certificate = tables.make(wheel, rail, settings, method, poses, quiet, say, seed)
+    tables.save(table, path, certificate)
+    if plot is not None and picture is None:
+        with results_folder("build-lut", f"{wheel.name}-{rail.name}") as folder:
+            picture = folder / "contact.png"
+            contact.plot(table, wheel, rail, picture)
+    elif picture is not None:
+        contact.plot(table, wheel, rail, picture)
+    size = path.stat().st_size
+    lines = [*contact.summary(table, certificate, size, facts["cpu_s"]), f"Table: {path}"]
+    facts = {"table": path, "bytes": size, **facts, "certificate": certificate, **_identity(table)}
+    if picture is not None:
+        lines.append(f"Figure: {picture}")
+        facts["figure"] = picture
+    return lines, facts
+
+
+def _check(path, wheel, rail, poses, seed, plot, overwrite, quiet):
+    import secrets
+
+    from railcli.analysis.certify import LIMITS, shortcomings
+    from railcli.errors import CheckError
+    from railcli.files import tables
+    from railcli.files.output import output_file
+    from railcli.report import contact
+
+    if poses == 0:
+        raise click.UsageError("--check compares at random poses: --poses must be at least 1.")
+    stored = tables.read(path)
+    wheel, rail = tables.profiles_of(stored.table, path, wheel, rail)
+    picture = None if plot is None else output_file(plot or path.with_suffix(".png"), overwrite)
+    seed = secrets.randbits(32) if seed is None else seed
+    certificate = tables.measure(stored.table, wheel, rail, poses, quiet, seed)
+    found = shortcomings(certificate)
+    if picture is not None:
+        contact.plot(stored.table, wheel, rail, picture)
+    size = path.stat().st_size
+    lines = contact.summary(stored.table, certificate, size)
+    if stored.certificate:
+        lines += ["When it was built:", *contact.certificate_lines(stored.certificate)]
+    limits = ", ".join(f"{key} {limit:g}" for key, limit in LIMITS.items())
+    lines.append(f"Limits of p99: {limits}: " + ("kept" if not found else "; ".join(found)))
+    facts = {
+        "table": path,
+        "bytes": size,
+        "positions": stored.table.settings.positions,
+        "certificate": certificate,
+        "certificate_when_built": stored.certificate,
+        "shortcomings": found,
+        "verdict": "failed" if found else "passed",
+        **_identity(stored.table),
+    }
+    return lines, facts, CheckError(f"{path}: {'; '.join(found)}") if found else None
+
+
+def _identity(table):
+    """What a table is for, in a machine's words."""
+    return {
+        "key": table.key,
+        "method": table.method,
+        "settings": table.settings.as_dict(),
+        "wheel": {"name": table.wheel_name, "sha256": table.wheel_digest},
+        "rail": {"name": table.rail_name, "sha256": table.rail_digest},
+    }

@@ -2,10 +2,155 @@
 
 import click
 
-from railcli.errors import RailcliError
+from railcli.errors import InputError
+
+from .options import results_options
+
+FEWEST_CALLS = 1000  # so that p99.9 is a measured value
+MOST_CALLS = 10_000_000  # whose times fit into memory
+LONGEST_STEP = 2.0  # [ms], as in scenario files
 
 
 @click.command("rt-bench", short_help="Time the model against a real-time budget.")
-def rt_bench():
-    """Time the compiled model against a real-time budget."""
-    raise RailcliError("rt-bench: not available yet")
+@click.argument("scenario", required=False, metavar="[NAME|FILE]")
+@click.option("--step", type=float, metavar="MS", help="Time step.  [default: the scenario's]")
+@click.option(
+    "--budget",
+    type=float,
+    default=1.0,
+    show_default=True,
+    metavar="MS",
+    help="Simulated time that each call advances, and wall time that it may take; a multiple of the step.",
+)
+@click.option(
+    "--duration", type=float, default=10.0, show_default=True, metavar="S", help="Simulated time of the timed calls."
+)
+@click.option(
+    "--warmup", type=float, default=1.0, show_default=True, metavar="S", help="Simulated time of the calls before them."
+)
+@click.option(
+    "--paced/--back-to-back",
+    default=False,
+    help="Begin each call when the clock says so, or as soon as the last one ended.  [default: back to back]",
+)
+@click.option(
+    "--spin",
+    type=float,
+    default=0.0,
+    show_default=True,
+    metavar="US",
+    help="Paced: sleep only until so long before a call is due, then watch the clock.",
+)
+@click.option(
+    "--realtime", is_flag=True, help="Ask for real-time scheduling and locked memory; says what the system grants."
+)
+@click.option("--figures/--no-figures", default=True, help="Draw the histogram and the stages.  [default: figures]")
+@results_options
+def rt_bench(
+    scenario, step, budget, duration, warmup, paced, spin, realtime, figures, output, overwrite, quiet, output_format
+):
+    """Time the compiled model, all contacts loaded, against a real-time budget.
+
+    The vehicle of a built-in scenario or a TOML file (default: the curve of 1200 m radius at 45 m/s) runs up until all
+    of it stands in the curve. From there on the wall time of each call is taken. Where the scenario ends, the calls go
+    on from the state before the first one.
+
+    \b
+    Examples:
+      railcli rt-bench
+      railcli rt-bench curve-300 --step 0.25 --duration 60
+      railcli rt-bench --paced --realtime --format json
+    """
+    from railcli.files.output import json_text, results_folder
+    from railcli.files.scenario import DEFAULT_SCENARIO, load
+    from railcli.report.timing import summary
+    from railcli.runtime.timing import steps_per_call
+
+    scenario = load(scenario or DEFAULT_SCENARIO)
+    _check_range("--budget", budget, 0.0 < budget <= 1e3 * scenario.duration, "above 0 ms and within the run")
+    if step is not None:
+        _check_range("--step", step, 0.0 < step <= LONGEST_STEP, f"above 0 and at most {LONGEST_STEP:g} ms")
+        scenario = scenario.varied(run={"step": step * 1e-3, "output_interval": step * 1e-3})
+    steps = steps_per_call(budget * 1e-3, scenario.run.step)
+    count = _calls("--duration", duration, budget, FEWEST_CALLS)
+    warm_up = _calls("--warmup", warmup, budget, 0)
+    _check_range("--spin", spin, 0.0 <= spin <= budget * 1e3, f"from 0 to the {budget * 1e3:g} us of the budget")
+    if spin and not paced:
+        raise InputError("--spin", "is for calls paced by the clock; add --paced")
+    with results_folder("rt-bench", scenario.name, output, overwrite) as folder:
+        found, samples = _measure(scenario, steps, count, warm_up, spin if paced else None, realtime, quiet)
+        found = {"folder": folder, **found}
+        _write(found, samples, folder, figures)
+    click.echo(json_text(found) if output_format == "json" else "\n".join([*summary(found), f"Results: {folder}"]))
+
+
+def _check_range(option, value, fits, allowed):
+    if not fits:
+        raise InputError(option, f"must be {allowed}, got {value:g}")
+
+
+def _calls(option, seconds, budget, fewest):
+    """How many calls last so long."""
+    shortest, longest = fewest * budget * 1e-3, MOST_CALLS * budget * 1e-3
+    allowed = f"from {shortest:g} s ({fewest:,} calls of {budget:g} ms) to {longest:g} s ({MOST_CALLS:,} calls)"
+    _check_range(option, seconds, shortest * (1.0 - 1e-9) <= seconds <= longest * (1.0 + 1e-9), allowed)
+    return round(seconds / (budget * 1e-3))
+
+
+def _measure(scenario, steps, count, warm_up, spin, realtime, quiet):
+    """Everything that is measured: the facts, and the times of the calls [us] for histograms."""
+    from railcli.analysis.warm import warm
+    from railcli.files.progress import Progress
+    from railcli.files.provenance import provenance
+    from railcli.files.tables import tables_for
+    from railcli.model.system import assemble
+    from railcli.runtime import pacing, timing
+
+    def say(text):
+        if not quiet:
+            click.echo(text, err=True)
+
+    tables = tables_for(scenario, quiet, say)
+    warm(say)
+    with Progress("Run up", scenario.distance, "m", quiet) as progress:
+        course = timing.run_up(scenario, assemble(scenario, tables), steps, progress.update)
+    metronome = None
+    if spin is not None:
+        metronome = pacing.Metronome(round(course.period * 1e9), round(spin * 1e3))
+        say(f"Paced by the clock: this takes {(warm_up + count) * course.period:.3g} s ...")
+    occupation = timing.occupation()
+    with pacing.real_time(realtime) as granted:
+        timing.time_calls(course, warm_up, metronome)
+        with Progress("Calls", count, "calls", quiet) as progress:
+            calls = timing.time_calls(course, count, metronome, progress.update)
+        found = {
+            **timing.describe_calls(calls, course.period),
+            **timing.describe_cost(course),
+            "warm_up_calls": warm_up,
+            "real_time": {"asked": realtime, "scheduling": granted.scheduling, "memory": granted.memory},
+            "machine": occupation,
+            "clocks": timing.clocks(),
+        }
+    found = {
+        "scenario": scenario.name,
+        "title": scenario.title,
+        "speed_ms": scenario.run.speed,
+        **found,
+        **timing.describe_course(course, count),
+        "provenance": provenance(scenario, tables),
+    }
+    samples = {"call": calls.compute / 1e3}
+    if calls.paced:
+        samples |= {"wake_up": calls.wake_up / 1e3, "wake_up_and_call": calls.response / 1e3}
+    return found, samples
+
+
+def _write(found, samples, folder, figures):
+    from railcli.files.output import write_json, write_text
+    from railcli.report import timing
+
+    write_text(folder / "histogram.csv", timing.histogram_csv(samples))
+    if figures:
+        timing.plot_histogram(found, samples, folder / "histogram.png")
+        timing.plot_stages(found, folder / "stages.png")
+    write_json(folder / "rt-bench.json", found)

@@ -1,16 +1,65 @@
-"""`railcli validate`: compare the model with published results."""
+"""`railcli validate`: compare railcli with published results."""
 
 import click
 
-from railcli.errors import RailcliError
+from .options import results_options
 
 
-@click.group(short_help="Compare the model with published results.")
+@click.group(short_help="Compare with published results.")
 def validate():
-    """Compare the model with published results."""
+    """Compare railcli with published results."""
 
 
-@validate.command(short_help="The Manchester wagon in a curve, three speeds.")
-def manchester():
-    """Run the Manchester passenger wagon in a 1200 m curve at three speeds and compare its wheelset positions."""
-    raise RailcliError("validate manchester: not available yet")
+@validate.command(short_help="The curve of the Manchester wagon against Simulink and ADAMS.")
+@click.option("--sensitivity", is_flag=True, help="Also print the deviations over friction from 0.1 to 0.5.")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@results_options
+def manchester(sensitivity, no_figures, output_format, output, overwrite, quiet):
+    """Run the published curve of the Manchester wagon (R = 1200 m, cant 90 mm; 45, 30 and 15 m/s).
+
+    Builds or reuses the contact table, prints the twelve published displacements beside railcli's, the force balances
+    and the verdict, and writes validation.md, .json, .csv and figures. Exit code 0: accepted, 4: not.
+
+    Example: railcli validate manchester --sensitivity -o my-validation
+    """
+    from railcli.analysis.validate import compare_manchester
+    from railcli.analysis.warm import warm
+    from railcli.errors import CheckError
+    from railcli.files.benchmark import manchester_criteria, manchester_reference
+    from railcli.files.output import json_text, results_folder, write_json, write_text
+    from railcli.files.progress import Progress
+    from railcli.files.provenance import provenance
+    from railcli.files.scenario import load
+    from railcli.files.tables import tables_for
+    from railcli.report import validation
+
+    def announce(text):
+        if not quiet:
+            click.echo(text, err=True)
+
+    reference, criteria = manchester_reference(), manchester_criteria()
+    scenarios = [load(f"curve-1200-{speed:g}") for speed in reference.speeds]
+    other = scenarios[0].varied(contact={"inclination": 40.0})
+    with results_folder("validate", "manchester", output, overwrite) as folder:
+        warm(announce)
+        tables = tables_for(scenarios[0], quiet, announce)
+        other_tables = tables_for(other, quiet, announce)
+        with Progress("Validate", 30, "steps", quiet) as progress:
+            result = compare_manchester(
+                reference, criteria, scenarios, tables, (other, other_tables), progress.update
+            )
+        record = validation.as_json(scenarios[0], result, provenance(scenarios[0], tables))
+        sections = validation.report(scenarios[0], result, sensitivity)
+        write_json(folder / "validation.json", record)
+        write_text(folder / "validation.csv", validation.csv(result))
+        write_text(folder / "validation.md", validation.markdown(sections, record, figures=not no_figures))
+        if not no_figures:
+            validation.figures(result, folder)
+    if output_format == "json":
+        click.echo(json_text(record))
+    else:
+        click.echo(validation.terminal(sections, record))
+        click.echo(f"Written to {folder}")
+    if not result.accepted:
+        missed = [row[0] for row in result.rows if row[5] and not row[4]]
+        raise CheckError(f"validate manchester: rejected ({'; '.join(missed)})")

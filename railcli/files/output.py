@@ -74,14 +74,14 @@ def results_folder(command, name, output=None, overwrite=False):
     """
     if output is None:
         parent, title = Path(DEFAULT_PARENT), file_name(f"{command}-{name}")
-        with _refused(parent / title):
+        with refused(parent / title):
             folder = _next_folder(parent, title)
     else:
         folder = Path(output)
-        with _refused(folder):
+        with refused(folder):
             _take_folder(folder, overwrite)
     try:
-        with _refused(folder / LIST):
+        with refused(folder / LIST):
             if not (folder / LIST).exists():
                 (folder / LIST).write_text(LIST_TITLE, encoding="utf-8")
         yield folder
@@ -99,7 +99,7 @@ def output_file(path, overwrite=False):
         The file exists and `overwrite` is not set, or something that is not a file stands there.
     """
     path = Path(path)
-    with _refused(path):
+    with refused(path):
         if path.is_dir():
             raise InputError(path, "is a folder; -o/--output names a file here")
         if path.exists() and not path.is_file():
@@ -128,7 +128,7 @@ def whole_file(path):
     path = output_file(path, overwrite=True)
     temporary = path.with_name(f".{path.stem[:LONGEST_NAME]}-{secrets.token_hex(4)}{path.suffix}")
     try:
-        with _refused(path, temporary):
+        with refused(path, temporary):
             path.parent.mkdir(parents=True, exist_ok=True)
             temporary.touch(exist_ok=False)
             yield temporary
@@ -199,7 +199,7 @@ def cache_folder(kind):
         Name of the sub-folder, such as ``tables``.
     """
     folder = cache_root() / kind
-    with _refused(folder):
+    with refused(folder):
         folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -210,7 +210,7 @@ def file_name(text):
 
 
 @contextmanager
-def _refused(*paths):
+def refused(*paths):
     """Turn the system's refusal to write the first of `paths` into an InputError; errors of other files pass."""
     try:
         yield

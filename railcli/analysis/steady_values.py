@@ -1,0 +1,122 @@
+"""The steady end of a run: means over its last metres, the balance of forces, and the steady motion that Newton finds.
+
+Values are counted towards the outer rail; on straight track to the right.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railcli.errors import SimulationError
+
+from .equilibrium import steady
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Straight or curve in which a run ends, from before its averaging window begins.
+
+    Attributes
+    ----------
+    kind : {"straight", "right-hand curve", "left-hand curve"}
+    curvature, cant : float
+        Signed as in the core: positive in a right-hand curve [1/m], left over right rail [m].
+    """
+
+    kind: str
+    curvature: float
+    cant: float
+
+    @property
+    def outwards(self):
+        """Sign that counts lateral values towards the outer rail."""
+        return -1.0 if self.curvature > 0.0 else 1.0
+
+    @property
+    def outer_side(self):
+        """Sign of the side of the outer rail, or of the right one on straight track: +1 right, -1 left."""
+        return self.outwards
+
+
+def final_stretch(scenario):
+    """The Stretch in which the whole averaging window lies; None when the track changes there."""
+    start, begin, end = 0.0, scenario.distance - scenario.average_over, scenario.distance
+    curvatures = set()
+    for section in scenario.track.sections:
+        if start < end and start + section.length > begin:
+            curvatures.add(None if section.kind == "transition" else (section.curvature, section.signed_cant))
+        start += section.length
+    if len(curvatures) != 1 or None in curvatures:
+        return None
+    curvature, cant = curvatures.pop()
+    kind = "straight" if curvature == 0.0 else "right-hand curve" if curvature > 0.0 else "left-hand curve"
+    return Stretch(kind, curvature, cant)
+
+
+def expected_forces(scenario, stretch):
+    """Sums of the lateral and vertical forces on the rails that balance the vehicle.
+
+    Returns
+    -------
+    lateral : float
+        In the track plane, counted outwards: m (V^2/R cos(cant) - g sin(cant)) [N].
+    vertical : float
+        Normal to it: m (g cos(cant) + V^2/R sin(cant)) [N].
+    """
+    mass = sum(body.mass for body in scenario.vehicle.bodies)
+    sine = stretch.cant / scenario.cant_base
+    cosine = np.sqrt(1.0 - sine**2)
+    gravity, centrifugal = scenario.run.gravity, stretch.curvature * scenario.run.speed**2
+    lateral = mass * (gravity * sine - centrifugal * cosine)
+    return float(stretch.outwards * lateral), float(mass * (gravity * cosine + centrifugal * sine))
+
+
+@dataclass(frozen=True)
+class SteadyValues:
+    """Lateral values counted outwards; wheels: outer and inner one of each wheelset (on straight track right and left).
+
+    Attributes
+    ----------
+    lateral, yaw : array (n_wheelset,)
+        [m], [rad]
+    y_force, q_force : array (n_wheelset, 2)
+        Forces on the rails [N].
+    """
+
+    lateral: np.ndarray
+    yaw: np.ndarray
+    y_force: np.ndarray
+    q_force: np.ndarray
+
+
+def _arranged(system, stretch, sign, q, y_force, q_force):
+    """SteadyValues from coordinates and rail forces in track axes."""
+    wheelsets = list(system.wheelsets)
+    order = slice(None) if stretch.outer_side > 0.0 else slice(None, None, -1)
+    return SteadyValues(
+        lateral=sign * q[wheelsets, 1],
+        yaw=sign * q[wheelsets, 5],
+        y_force=sign * y_force.reshape(-1, 2)[:, order],
+        q_force=q_force.reshape(-1, 2)[:, order],
+    )
+
+
+def means(system, stretch, window):
+    """Means of a SteadyWindow."""
+    values = (window.mean(key) for key in ("q", "y_force", "q_force"))
+    return _arranged(system, stretch, stretch.outwards, *values)
+
+
+def peaks_to_peaks(system, stretch, window):
+    """Largest less smallest values in a SteadyWindow."""
+    values = (window.peak_to_peak(key) for key in ("q", "y_force", "q_force"))
+    return _arranged(system, stretch, 1.0, *values)
+
+
+def solved(system, stretch):
+    """The steady motion by Newton's method; None when none is found."""
+    try:
+        data = steady(system, stretch.curvature, stretch.cant).data
+    except SimulationError:
+        return None
+    return _arranged(system, stretch, stretch.outwards, data.q, data.rail["y"], data.rail["q"])

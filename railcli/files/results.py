@@ -1,0 +1,242 @@
+"""The results of a run: time series as HDF5, written as the run goes, and the main channels as CSV.
+
+Track axes: x forward, y to the right, z down; angles turn right-handed about them. Forces of a wheel act on its rail.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railcli.analysis.faults import wheel_name
+from railcli.kernels.layout import MAX_CONTACT, new_rows
+
+from .growing_hdf5 import GrowingHdf5
+from .output import file_name, refused, whole_file
+
+TIME_SERIES = "timeseries.h5"
+MAIN_CHANNELS = "main.csv"
+CHUNK = 1000  # rows kept in memory, and in one chunk of the file
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+FORMAT = "railcli time series"
+FORMAT_VERSION = 1
+
+BODY_CHANNELS = {  # name: how to read it from the rows of body i, units, description
+    "position": (lambda rows, i: rows.q[:, i, :3], "m", "arc length s, lateral y, vertical z in the track frame at s"),
+    "rotation": (lambda rows, i: rows.q[:, i, 3:], "rad", "roll, pitch, yaw against the track frame at s"),
+    "velocity": (lambda rows, i: rows.v[:, i, :3], "m/s", "of the centre of mass, x, y, z of the track frame at s"),
+    "angular_velocity": (lambda rows, i: rows.v[:, i, 3:], "rad/s", "about the body's own axes x, y, z"),
+    "acceleration": (
+        lambda rows, i: rows.acceleration[:, i],
+        "m/s^2",
+        "what an accelerometer at the centre of mass shows, x, y, z of the track frame, gravity taken from z",
+    ),
+}
+RAIL_CHANNELS = {
+    "X": ("x", "N", "force of the wheel on the rail, forward"),
+    "Y": ("y", "N", "force of the wheel on the rail, to the right"),
+    "Q": ("q", "N", "force of the wheel on the rail, down"),
+    "patches": ("patches", "-", "number of loaded contact patches"),
+}
+PATCH_CHANNELS = {  # forces are zero, all else is not a number, where there is no patch
+    "normal": ("normal", "N", "normal force"),
+    "creep_x": ("creep_x", "N", "creep force on the wheel along the rail"),
+    "creep_t": ("creep_t", "N", "creep force on the wheel across the rail, in the contact plane"),
+    "spin_moment": ("spin_moment", "N m", "creep moment on the wheel about the contact normal"),
+    "xi": ("xi", "-", "longitudinal creepage, slip of wheel over rail"),
+    "eta": ("eta", "-", "lateral creepage"),
+    "phi": ("phi", "1/m", "spin creepage"),
+    "depth": ("depth", "m", "penetration along z"),
+    "angle": ("angle", "rad", "contact angle, positive when the normal leans to the flange"),
+    "on_wheel": ("lateral", "m", "profile coordinate on the wheel, from the tape circle to the field side"),
+    "radius": ("radius", "m", "rolling radius"),
+    "semi_x": ("semi_x", "m", "half axis of the contact ellipse along the rail"),
+    "semi_y": ("semi_y", "m", "half axis of the contact ellipse across"),
+    "linear": ("linear", "-", "creep force of linear theory over the friction limit; above 1: full slip somewhere"),
+    "region": ("region", "-", "part of the wheel profile: 0 tread, 1 flange root, 2 flange flank, 3 flange tip"),
+}
+FORCES_OF_A_PATCH = ("normal", "creep_x", "creep_t", "spin_moment")
+
+
+def wheel_group(system, wheel):
+    """`W2_left` for the left wheel of the second wheelset."""
+    return wheel_name(system, wheel).replace(" ", "_")
+
+
+class TimeSeries:
+    """The sink of a run: call it with blocks of rows; used as a context manager.
+
+    However the run ends, the rows that came until then are in the file, which appears under its name when the context
+    is left. Without any row there is no file.
+
+    Parameters
+    ----------
+    path : path-like
+    system : System
+
+    Attributes
+    ----------
+    rows : int
+        Written or kept for writing.
+    time, distance : float
+        Of the last row [s], of the first body along the track [m].
+    """
+
+    def __init__(self, path, system):
+        self._path, self._system = path, system
+        self._held = new_rows(system.model, CHUNK)
+        self._count = self._written = 0
+        self.time = self.distance = 0.0
+
+    @property
+    def rows(self):
+        return self._written + self._count
+
+    def __enter__(self):
+        self._growing = GrowingHdf5(self._path)
+        file = self._growing.file
+        with refused(self._path), self._growing.growing(0):
+            file.attrs.update(
+                {
+                    "format": FORMAT,
+                    "version": FORMAT_VERSION,
+                    "axes": "track axes: x forward, y to the right, z down; angles right-handed about them",
+                    "bodies": list(self._system.bodies),
+                    "wheelsets": [self._system.bodies[i] for i in self._system.wheelsets],
+                    "wheels": [wheel_group(self._system, w) for w in range(self._system.model.wheel.size)],
+                }
+            )
+            self._sources = dict(self._create(file))
+        return self
+
+    def __call__(self, rows):
+        start = 0
+        while start < rows.time.size:
+            count = min(CHUNK - self._count, rows.time.size - start)
+            for held, new in zip(self._held, rows, strict=True):
+                held[self._count : self._count + count] = new[start : start + count]
+            self._count += count
+            start += count
+            self.time, self.distance = float(rows.time[start - 1]), float(rows.q[start - 1, 0, 0])
+            if self._count == CHUNK:
+                self._write()
+
+    def __exit__(self, kind, error, traceback):
+        try:
+            if self._count:
+                self._write()
+        finally:
+            if self._written:
+                self._growing.close()
+            else:
+                self._growing.drop()
+
+    def _write(self):
+        """Append the rows at hand. When the disk is full they are given up, those before stay in the file."""
+        count, start = self._count, self._written
+        self._count = 0
+        rows = type(self._held)(*(array[:count] for array in self._held))
+        with refused(self._path), self._growing.growing(sum(array.nbytes for array in rows)):
+            for dataset, source in self._sources.items():
+                dataset.resize(start + count, axis=0)
+                dataset[start:] = source(rows)
+            self._written += count
+
+    def _create(self, file):
+        """Make every dataset; yields each with the function that reads its values from rows."""
+        system = self._system
+        yield _dataset(file, "time", (), "s", "simulated time"), lambda rows: rows.time
+        yield _dataset(file, "traction", (), "N", "force that holds the speed"), lambda rows: rows.traction
+        for i, name in enumerate(system.bodies):
+            for channel, (source, units, description) in BODY_CHANNELS.items():
+                dataset = _dataset(file, f"bodies/{name}/{channel}", (3,), units, description)
+                yield dataset, lambda rows, i=i, source=source: source(rows, i)
+        for w in range(system.model.wheel.size):
+            group = f"wheels/{wheel_group(system, w)}"
+            for channel, (key, units, description) in RAIL_CHANNELS.items():
+                dataset = _dataset(file, f"{group}/{channel}", (), units, description)
+                yield dataset, lambda rows, w=w, key=key: rows.rail[key][:, w]
+            for channel, (key, units, description) in PATCH_CHANNELS.items():
+                dataset = _dataset(file, f"{group}/contact/{channel}", (MAX_CONTACT,), units, description)
+                absent = 0.0 if key in FORCES_OF_A_PATCH else np.nan
+                yield dataset, lambda rows, w=w, key=key, absent=absent: np.where(
+                    rows.contact["depth"][:, w] > 0.0, rows.contact[key][:, w], absent
+                )
+
+
+def _dataset(file, name, shape, units, description):
+    form = {"shape": (0, *shape), "maxshape": (None, *shape), "chunks": (CHUNK, *shape)}
+    dataset = file.create_dataset(name, dtype="f8", **form, **COMPRESSION)
+    dataset.attrs["units"] = units
+    dataset.attrs["description"] = description
+    return dataset
+
+
+@dataclass(frozen=True)
+class MainChannels:
+    """What most readers want of a run; track axes, SI.
+
+    Attributes
+    ----------
+    time, distance : array (n,)
+        [s], arc length of the first body [m].
+    lateral, yaw : array (n, n_wheelset)
+        [m], [rad]
+    y_force, q_force : array (n, n_wheel)
+        Forces on the rails, to the right and down; right and left wheel of each wheelset in turn [N].
+    acceleration : array (n, n_sprung, 3)
+        Of the bodies that are no wheelsets [m/s^2].
+    wheels, sprung : tuple of str
+        Their names.
+    """
+
+    time: np.ndarray
+    distance: np.ndarray
+    lateral: np.ndarray
+    yaw: np.ndarray
+    y_force: np.ndarray
+    q_force: np.ndarray
+    acceleration: np.ndarray
+    wheels: tuple
+    sprung: tuple
+
+
+def main_channels(path):
+    """Main channels of a file of time series."""
+    import h5py
+
+    with h5py.File(path, "r", locking=False) as file:
+        bodies, wheelsets, wheels = (list(file.attrs[key]) for key in ("bodies", "wheelsets", "wheels"))
+        sprung = [name for name in bodies if name not in wheelsets]
+        read = {name: file[f"bodies/{name}/position"][()] for name in [bodies[0], *wheelsets]}
+        count = file["time"].size
+        return MainChannels(
+            time=file["time"][()],
+            distance=read[bodies[0]][:, 0],
+            lateral=_side_by_side([read[name][:, 1] for name in wheelsets], count),
+            yaw=_side_by_side([file[f"bodies/{name}/rotation"][:, 2] for name in wheelsets], count),
+            y_force=_side_by_side([file[f"wheels/{name}/Y"][()] for name in wheels], count),
+            q_force=_side_by_side([file[f"wheels/{name}/Q"][()] for name in wheels], count),
+            acceleration=_side_by_side([file[f"bodies/{name}/acceleration"][()] for name in sprung], count, 3),
+            wheels=tuple(wheels),
+            sprung=tuple(sprung),
+        )
+
+
+def _side_by_side(columns, count, *shape):
+    return np.stack(columns, axis=1) if columns else np.empty((count, 0, *shape))
+
+
+def write_main_channels(main, path):
+    """Write main channels as a CSV file; its header names units."""
+    columns = {"time_s": main.time, "s_m": main.distance}
+    for i in range(main.lateral.shape[1]):
+        columns[f"W{i + 1}_y_mm"] = 1e3 * main.lateral[:, i]
+        columns[f"W{i + 1}_yaw_mrad"] = 1e3 * main.yaw[:, i]
+    for w, name in enumerate(main.wheels):
+        columns[f"{name}_Y_kN"] = 1e-3 * main.y_force[:, w]
+        columns[f"{name}_Q_kN"] = 1e-3 * main.q_force[:, w]
+    for i, name in enumerate(main.sprung):
+        for axis, letter in enumerate("xyz"):
+            columns[f"{file_name(name)}_a{letter}_m_per_s2"] = main.acceleration[:, i, axis]
+    with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
+        np.savetxt(file, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")

@@ -1,0 +1,388 @@
+"""Contact tables on disk: whole, checked, for the right profiles; and those that a scenario needs.
+
+A file is HDF5 behind a head of 512 bytes, which HDF5 readers skip. The head holds size and SHA-256 of all that follows,
+so that one bit changed anywhere is found before a library reads it.
+"""
+
+import hashlib
+import json
+import math
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from railcli import __version__
+from railcli.analysis.build_table import build_table
+from railcli.analysis.certify import SEED, certify
+from railcli.analysis.warm import warm_tables
+from railcli.errors import InputError
+from railcli.kernels import jit
+from railcli.kernels.layout import NODE_CHANNELS, Node
+from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
+from railcli.model.system import table_settings
+
+from .output import cache_folder, whole_hdf5
+from .profiles import BUNDLED, load_profile
+from .progress import Progress
+
+HEAD_SIZE = 512
+TITLE = "railcli contact table"
+POSES_UNASKED = 2000  # of the certificate of a table that a command builds because it needs one
+SAME = 1e-12  # settings that differ by rounding of their units only
+CACHE = "tables"
+ARRAYS = {
+    "node": "contact points at grid poses, one row each; columns: attribute 'channels'",
+    "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
+    "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
+}
+UNITS = "m, -, m/rad, m/rad^2, m, m, m, m, N/m^1.5, m/N^(1/3), m/N^(1/3), N^(1/3), N^(1/3), m, m^2/N^(1/3), -"
+OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, and units per SI unit
+    "inclination": ("--inclination", "", 1.0),
+    "gauge": ("--gauge", "mm", 1e3),
+    "flange_back": ("--flange-back", "mm", 1e3),
+    "radius": ("--radius", "mm", 1e3),
+    "y_range": ("--y-range", "mm", 1e3),
+    "y_step": ("--y-step", "mm", 1e3),
+    "roll_range": ("--roll-range", "mrad", 1e3),
+    "roll_step": ("--roll-step", "mrad", 1e3),
+    "yaw_range": ("--yaw-range", "mrad", 1e3),
+    "yaw_count": ("--yaw-count", "", 1),
+    "young": ("--young", "GPa", 1e-9),
+    "poisson": ("--poisson", "", 1.0),
+    "curvature_window": ("--curvature-window", "mm", 1e3),
+}
+OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson")
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a table must have been built for.
+
+    Attributes
+    ----------
+    wheel, rail : Profile
+    settings : TableSettings
+    matters : tuple of str
+        The settings that must agree; the grid of a table that the user names is the user's choice.
+    wheel_given, rail_given : str
+        Name or file by which the user knows the profiles.
+    """
+
+    wheel: object
+    rail: object
+    settings: TableSettings
+    matters: tuple = tuple(OPTIONS)
+    wheel_given: str = ""
+    rail_given: str = ""
+
+    def rebuild(self, path):
+        """The command that builds this table into `path`."""
+        words = ["railcli", "build-lut"]
+        default = TableSettings()
+        for option, name, profile in (("--wheel", "ORES1002", "wheel"), ("--rail", "UIC60", "rail")):
+            given = getattr(self, f"{profile}_given") or getattr(self, profile).name
+            if given != name:
+                words += [option, given]
+        for key in self.matters:
+            if getattr(self.settings, key) != getattr(default, key):
+                option, _, factor = OPTIONS[key]
+                words += [option, f"{getattr(self.settings, key) * factor:.10g}"]
+        return shlex.join([*words, "-o", str(path), "--overwrite"])
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A table as a file holds it.
+
+    Attributes
+    ----------
+    table : ContactTable
+    certificate : dict
+        As `analysis.certify` gives it; empty when it was built without.
+    kernels : str
+        Digest of the compiled sources that built it.
+    """
+
+    table: ContactTable
+    certificate: dict
+    kernels: str
+
+
+def save(table, path, certificate=None):
+    """Write a contact table to a file, whole or not at all."""
+    with whole_hdf5(path, _head) as file:
+        file.attrs.update(
+            {
+                "format": TITLE,
+                "version": VERSION,
+                "settings": json.dumps(table.settings.as_dict()),
+                "wheel_name": table.wheel_name,
+                "rail_name": table.rail_name,
+                "wheel_sha256": table.wheel_digest,
+                "rail_sha256": table.rail_digest,
+                "method": table.method,
+                "certificate": json.dumps(certificate or {}),
+                "railcli": __version__,
+                "kernels": jit.source_digest(),
+            }
+        )
+        for name, description in ARRAYS.items():
+            file[name] = getattr(table, name)
+            file[name].attrs["description"] = description
+        file["node"].attrs["channels"] = ", ".join(channel.name.lower() for channel in Node)
+        file["node"].attrs["units"] = UNITS
+
+
+def _head(image):
+    return _head_of(hashlib.sha256(image).hexdigest(), len(image))
+
+
+def _head_of(digest, size):
+    return f"{TITLE}\nsha256 {digest}\nbytes {size}\n".encode().ljust(HEAD_SIZE, b"\n")
+
+
+def load(path, expect=None):
+    """Contact table from a file.
+
+    Parameters
+    ----------
+    path : path-like
+    expect : Expected, optional
+        What the table must have been built for.
+
+    Raises
+    ------
+    InputError
+        It is missing, no contact table, truncated, changed, of another version, or for something else.
+    """
+    table = read(path).table
+    if expect is not None:
+        check_expected(table, path, expect)
+    return table
+
+
+def read(path):
+    """Table, certificate and provenance from a file; errors as `load`."""
+    import h5py
+
+    path = Path(path)
+    _check_seal(path)
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            attributes = {key: value for key, value in file.attrs.items()}
+            if (version := attributes.get("version")) != VERSION:
+                raise InputError(
+                    path, f"is of version {version}; this railcli reads version {VERSION}; {_build_again(path)}"
+                )
+            arrays = {name: file[name][()] for name in ARRAYS}
+        settings = TableSettings(**json.loads(attributes["settings"]))
+        certificate = json.loads(attributes["certificate"])
+        table = ContactTable(
+            settings=settings,
+            wheel_name=str(attributes["wheel_name"]),
+            rail_name=str(attributes["rail_name"]),
+            wheel_digest=str(attributes["wheel_sha256"]),
+            rail_digest=str(attributes["rail_sha256"]),
+            method=str(attributes["method"]),
+            **arrays,
+        )
+        problem = _inconsistency(table)
+    except (OSError, KeyError, TypeError, ValueError, AttributeError) as error:
+        text = " ".join(str(error).split())
+        raise InputError(path, f"does not hold a contact table ({text}); {_build_again(path)}") from error
+    if problem:
+        raise InputError(path, f"does not hold a contact table ({problem}); {_build_again(path)}")
+    return Stored(table, certificate, str(attributes.get("kernels", "")))
+
+
+def _check_seal(path):
+    """Raise an InputError unless the file is what `save` wrote, bit for bit."""
+    try:
+        if path.is_dir():
+            raise InputError(path, "is a folder, not a contact table")
+        with open(path, "rb") as file:
+            head = file.read(HEAD_SIZE)
+            size = path.stat().st_size - HEAD_SIZE
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+    except FileNotFoundError:
+        raise InputError(path, f"there is no such file; build it: {_command(path)}") from None
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror or error}") from error
+    lines = head.split(b"\n")
+    if lines[0] != TITLE.encode() or len(head) < HEAD_SIZE:
+        raise InputError(path, f"is not a contact table of railcli; {_build_again(path)}")
+    words = lines[2].split()
+    if len(words) == 2 and words[1].isdigit() and size < int(words[1]):
+        raise InputError(path, f"is truncated: {size} of {int(words[1])} bytes are left; {_build_again(path)}")
+    if head != _head_of(digest, size):
+        raise InputError(path, f"is damaged: its checksum does not fit its contents; {_build_again(path)}")
+
+
+def _command(path):
+    return f"railcli build-lut -o {shlex.quote(str(path))}"
+
+
+def _build_again(path):
+    return f"build it again: {_command(path)} --overwrite"
+
+
+def _inconsistency(table):
+    """What is wrong with the arrays of a table, in words; empty when the core can read nothing outside them."""
+    s, node, cell, branch = table.settings, table.node, table.cell, table.branch
+    cells = (s.y_count - 1) * (s.roll_count - 1) * (s.yaw_count - 1)
+    layout = {
+        "node": (np.float64, (node.shape[0], NODE_CHANNELS)),
+        "cell": (np.int32, (cells + 1,)),
+        "branch": (np.int32, (branch.shape[0], 8)),
+    }
+    for name, (dtype, shape) in layout.items():
+        array = getattr(table, name)
+        if array.dtype != dtype or array.shape != shape:
+            return f"{name} is {array.dtype} of shape {array.shape}, not {np.dtype(dtype)} of shape {shape}"
+    if cell[0] != 0 or cell[-1] != branch.shape[0] or (np.diff(cell) < 0).any():
+        return f"cell does not count the {branch.shape[0]} branches"
+    if branch.size == 0 or branch.min() < -1 or branch.max() >= node.shape[0]:
+        return f"branch points outside the {node.shape[0]} nodes"
+    if not np.isfinite(node).all():
+        return "a node is not a finite number"
+    return ""
+
+
+def check_expected(table, path, expect):
+    """Raise an InputError that says what else the table in `path` was built for."""
+    for key in expect.matters:
+        found, wanted = getattr(table.settings, key), getattr(expect.settings, key)
+        if not math.isclose(found, wanted, rel_tol=SAME):
+            option, unit, factor = OPTIONS[key]
+            raise InputError(
+                path,
+                f"was built for {option[2:]} {found * factor:.10g} {unit}".rstrip()
+                + f", needed: {wanted * factor:.10g} {unit}".rstrip()
+                + f"; build it again: {expect.rebuild(path)}",
+            )
+    for kind in ("wheel", "rail"):
+        profile = getattr(expect, kind)
+        if getattr(table, f"{kind}_digest") != profile.digest():
+            name = getattr(table, f"{kind}_name")
+            other = "another one of this name" if name == profile.name else name
+            raise InputError(
+                path, f"was built for {kind} profile {other}, needed: {profile.name}; "
+                f"build it again: {expect.rebuild(path)}"
+            )  # fmt: skip
+
+
+def profiles_of(table, path, wheel=None, rail=None):
+    """The profiles from which a table was built: bundled ones by their name, others as the user gives them.
+
+    Parameters
+    ----------
+    table : ContactTable
+    path : path-like
+        Its file, for messages.
+    wheel, rail : str, optional
+        Names or files.
+
+    Returns
+    -------
+    wheel, rail : Profile
+    """
+    profiles = []
+    for kind, given in (("wheel", wheel), ("rail", rail)):
+        name = getattr(table, f"{kind}_name")
+        if given is None and name not in BUNDLED:
+            raise InputError(path, f"was built from the {kind} profile {name}: give its file with --{kind}")
+        profile = load_profile(given or name, kind)
+        if profile.digest() != getattr(table, f"{kind}_digest"):
+            raise InputError(
+                path, f"was built from another {kind} profile ({name}) than {given or name}; "
+                f"give the one it was built from with --{kind}, or build it again"
+            )  # fmt: skip
+        profiles.append(profile)
+    return profiles
+
+
+def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=False, announce=None, seed=None):
+    """Build a contact table and certify it, with progress on stderr.
+
+    Parameters
+    ----------
+    poses : int
+        Poses of the certificate; 0: none.
+    announce : callable, optional
+        Called with a sentence when something has to be compiled first.
+
+    Returns
+    -------
+    table : ContactTable
+    facts : dict
+        As `analysis.build_table`.
+    certificate : dict
+        Empty without poses.
+    """
+    warm_tables(wheel, rail, settings, announce)
+    with Progress("Contact table", settings.positions, "positions", quiet) as progress:
+        table, facts = build_table(
+            wheel, rail, settings, method, lambda share: progress.update(share * settings.positions)
+        )
+    return table, facts, measure(table, wheel, rail, poses, quiet, seed) if poses else {}
+
+
+def measure(table, wheel, rail, poses, quiet=False, seed=None):
+    """Certificate of a table at its usual poses or those of another seed, with progress on stderr."""
+    seed = SEED if seed is None else seed
+    with Progress("Certificate", poses, "poses", quiet) as progress:
+        certificate = certify(table, wheel, rail, poses, seed, lambda share: progress.update(share * poses))
+        progress.update(poses)
+    return certificate
+
+
+def cached_path(settings, wheel, rail, method="simplex"):
+    """Where the cache keeps the table of these settings and profiles."""
+    return cache_folder(CACHE) / f"{table_key(settings, wheel.digest(), rail.digest(), method)[:32]}.h5"
+
+
+def table_for(settings, wheel, rail, quiet=False, announce=None):
+    """The table of these settings and profiles from the user's cache; built and kept there when it is missing.
+
+    A file there that is damaged, or that other sources of the kernels built, is replaced.
+
+    Parameters
+    ----------
+    settings : TableSettings
+    wheel, rail : Profile
+    quiet : bool
+        No progress on stderr.
+    announce : callable, optional
+        Called with a sentence when something has to be compiled first.
+    """
+    path = cached_path(settings, wheel, rail)
+    if path.exists():
+        try:
+            stored = read(path)
+            check_expected(stored.table, path, Expected(wheel, rail, settings))
+            if stored.kernels == jit.source_digest():
+                return stored.table
+        except InputError as error:
+            print(f"Warning: {str(error).partition('; build it')[0]}; it is built again", file=sys.stderr)
+    table, _, certificate = make(wheel, rail, settings, quiet=quiet, announce=announce)
+    save(table, path, certificate)
+    return table
+
+
+def tables_for(scenario, quiet=False, announce=None):
+    """Contact tables of a scenario, one for each of the vehicle's wheel radii; options as `table_for`."""
+    contact = scenario.contact
+    wheel = load_profile(contact.wheel_profile, "wheel")
+    rail = load_profile(contact.rail_profile, "rail")
+    tables = []
+    for radius in scenario.vehicle.wheel_radii:
+        settings = table_settings(scenario, radius)
+        if contact.table is None:
+            tables.append(table_for(settings, wheel, rail, quiet, announce))
+        else:
+            expect = Expected(wheel, rail, settings, OF_A_SCENARIO, contact.wheel_profile, contact.rail_profile)
+            tables.append(load(contact.table, expect))
+    return tables

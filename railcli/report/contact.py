@@ -1,0 +1,220 @@
+"""A contact table for readers: its summary, the verdict on its errors, its picture."""
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from railcli.analysis.build_table import wheel_regions
+from railcli.analysis.rigid_contact import rigid_contact
+from railcli.kernels.layout import Node, Region
+from railcli.kernels.tabulate import MIN_CURVATURE
+from railcli.model.contact_table import mount
+
+from .figures import BLUE, GREY, ORANGE, PURPLE, VERMILION, draw
+from .text import columns, facts
+
+QUANTITIES = {  # channel of the certificate: name, unit
+    "gap_um": ("distance D", "um"),
+    "position_mm": ("position", "mm"),
+    "angle_mrad": ("contact angle", "mrad"),
+    "radius_um": ("rolling radius", "um"),
+}
+REGION_COLOURS = {Region.TREAD: BLUE, Region.ROOT: ORANGE, Region.FLANK: VERMILION, Region.TIP: PURPLE}
+SHOWN_Y = 10e-3  # the figure shows lateral positions to both sides up to this [m]
+JUMP = 1e-3  # of the contact between two lateral positions, where a curve is interrupted [m]
+WHEEL_ABOVE_RAIL = 22.0  # so that the lines between the contact points can be seen [mm]
+
+
+def inclination(settings):
+    """`1:20`, or `upright`."""
+    return f"1:{settings.inclination:g}" if settings.inclination else "upright"
+
+
+def title(table):
+    """`ORES1002 on UIC60, inclination 1:20, ...`"""
+    s = table.settings
+    return (
+        f"{table.wheel_name} on {table.rail_name}, inclination {inclination(s)}, gauge {s.gauge * 1e3:g} mm, "
+        f"flange-back {s.flange_back * 1e3:g} mm, wheel radius {s.radius * 1e3:g} mm"
+    )
+
+
+def summary(table, certificate, size, cpu_s=None):
+    """Lines that say what a table is, what it took, and how accurate it is.
+
+    Parameters
+    ----------
+    table : ContactTable
+    certificate : dict
+        Empty when there is none.
+    size : int
+        Of its file [bytes].
+    cpu_s : float, optional
+        Processor time of building it [s].
+    """
+    s = table.settings
+    grid = (
+        f"y +-{s.y_range * 1e3:g} mm by {s.y_step * 1e3:g}, roll +-{s.roll_range * 1e3:g} mrad by "
+        f"{s.roll_step * 1e3:g}, yaw 0 ... {s.yaw_range * 1e3:g} mrad in {s.yaw_count} values evenly spaced in its square"
+    )
+    pairs = [
+        ("wheel", f"{table.wheel_name} (sha256 {table.wheel_digest[:12]}), radius {s.radius * 1e3:g} mm"),
+        ("rail", f"{table.rail_name} (sha256 {table.rail_digest[:12]}), inclination {inclination(s)}"),
+        ("track", f"gauge {s.gauge * 1e3:g} mm, flange-back {s.flange_back * 1e3:g} mm"),
+        ("material", f"E = {s.young / 1e9:g} GPa, Poisson's ratio {s.poisson:g}"),
+        ("grid", grid),
+        ("wheel positions", f"{s.positions:,}"),
+        ("contact points", f"{table.node.shape[0]:,} in {table.branch.shape[0]:,} branches"),
+        (
+            "curvature",
+            f"averaged over {s.curvature_window * 1e3:g} mm of arc; difference of wheel and rail at least "
+            f"{MIN_CURVATURE:g} 1/m (conformal contact)",
+        ),
+        ("size", f"{size / 1e6:.1f} MB"),
+        ("method", {"simplex": "simplex (Nelder and Mead)", "locus": "closed-form locus"}[table.method]),
+    ]
+    if cpu_s is not None:
+        pairs.append(("CPU time", f"{cpu_s:.2f} s, {s.positions / max(cpu_s, 1e-9):,.0f} positions/s"))
+    return [f"Contact table: {title(table)}", *facts(pairs), *certificate_lines(certificate)]
+
+
+def certificate_lines(certificate):
+    """The error of look-up against direct minimisation as a table of text."""
+    if "gap_um" not in certificate:
+        return []
+    rows = []
+    for key, (name, unit) in QUANTITIES.items():
+        error = certificate[key]
+        at = error["worst_at"]
+        worst = f"y {at['y_mm']:+.2f} mm, roll {at['roll_mrad']:+.2f} mrad, yaw {at['yaw_mrad']:+.2f} mrad"
+        rows.append((f"{name} [{unit}]", *(f"{error[part]:.3g}" for part in ("p99", "p999", "max")), worst))
+    return [
+        f"Error of look-up against direct minimisation at {certificate['poses']:,} random poses "
+        f"(seed {certificate['seed']}), loaded branches:",
+        *columns(rows, ("", "p99", "p99.9", "max", "worst at")),
+        f"  {certificate['near_end_share']:.2%} of the contact points lie within one cell of a branch's end: they are "
+        "counted apart and left out",
+        f"  elsewhere missed: {certificate['missed']}, invented: {certificate['invented']}, poses with more contacts "
+        f"than a wheel keeps: {certificate['overfull']}",
+    ]
+
+
+def plot(table, wheel, rail, path):
+    """Draw profiles with contact points, rolling radius difference, contact angle and the branches of a table.
+
+    Parameters
+    ----------
+    table : ContactTable
+    wheel, rail : Profile
+        From which it was built.
+    path : path-like
+        File of the figure.
+    """
+    mounting = mount(wheel, rail, table.settings)
+    y = np.arange(-SHOWN_Y, SHOWN_Y + 1e-9, 0.05e-3)
+    rigid = rigid_contact(mounting, table.settings.lateral, y)
+
+    def paint(figure):
+        figure.suptitle(title(table), fontsize=12)
+        grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
+        _profiles(figure, figure.add_subplot(grid[0, :]), mounting, rigid)
+        _radius_difference(figure.add_subplot(grid[1, 0]), rigid)
+        _angles(figure.add_subplot(grid[1, 1]), rigid)
+        _branches(figure.add_subplot(grid[1, 2]), table, mounting)
+
+    draw(paint, path, (13.0, 9.5))
+
+
+def _profiles(figure, axis, mounting, rigid):
+    """Right-hand profiles, the wheel lifted off its rail, and lines between the points that touch."""
+    s = 1e3 * (mounting.wheel_start + mounting.wheel_step * np.arange(mounting.wheel.shape[0]))
+    across = 1e3 * (mounting.rail_start - mounting.seat + mounting.rail_step * np.arange(mounting.rail.shape[0]))
+    wheel, rail = 1e3 * mounting.wheel[:, 0] - WHEEL_ABOVE_RAIL, 1e3 * mounting.rail[:, 0]
+    colours = ScalarMappable(Normalize(-SHOWN_Y * 1e3, SHOWN_Y * 1e3), "turbo")
+    whole_mm = np.isclose(np.round(1e3 * rigid.y), 1e3 * rigid.y)
+    for i in np.flatnonzero(whole_mm):
+        places = [1e3 * rigid.on_wheel[i, 0], 1e3 * (rigid.on_rail[i, 0] - mounting.seat)]
+        heights = [np.interp(places[0], s, wheel), np.interp(places[1], across, rail)]
+        axis.plot(places, heights, color=colours.to_rgba(1e3 * rigid.y[i]), linewidth=1.2, marker="o", markersize=4)
+    axis.plot(s, wheel, color="black", linewidth=1.6, zorder=1)
+    axis.plot(across, rail, color="black", linewidth=1.6, zorder=1)
+    axis.set_xlim(min(s[0], across[0]) - 3.0, max(s[-1], across[-1]) + 3.0)
+    axis.set_ylim(max(wheel.max(), rail.max()) + 3.0, wheel.min() - 3.0)
+    axis.set_aspect("equal")
+    lifted = f"wheel, drawn {WHEEL_ABOVE_RAIL:g} mm above its place"
+    axis.text(40.0, np.interp(40.0, s, wheel) - 1.5, lifted, ha="center")
+    axis.text(across[-1] + 1.5, rail[-1], "rail")
+    axis.set_title("Right-hand profiles and their contact points, each mm of y")
+    axis.set_xlabel("from the nominal tape circle to the field side [mm]")
+    axis.set_ylabel("down [mm]")
+    bar = figure.colorbar(colours, ax=axis, shrink=0.85, aspect=30, ticks=np.arange(-10, 11, 2))
+    bar.set_label("lateral position y of the wheelset, to the right [mm]")
+
+
+def _broken(y, values, contact):
+    """A curve of y and values with a gap at each jump of the contact."""
+    jumps = 1 + np.flatnonzero(np.any(np.abs(np.diff(contact, axis=0)) > JUMP, axis=1))
+    return np.insert(y, jumps, np.nan), np.insert(values, jumps, np.nan)
+
+
+def _radius_difference(axis, rigid):
+    y, difference = 1e3 * rigid.y, 1e3 * rigid.radius_difference
+    axis.plot(*_broken(y, difference, rigid.on_wheel), color=BLUE)
+    axis.set_title("Rolling radius difference, right less left")
+    axis.set_xlabel("lateral position y of the wheelset [mm]")
+    axis.set_ylabel("$\\Delta r$ [mm]")
+    axis.set_xlim(y[0], y[-1])
+    tread = np.abs(y) <= 5.0
+    inset = axis.inset_axes([0.10, 0.62, 0.38, 0.28])
+    inset.plot(y[tread], difference[tread], color=BLUE)
+    inset.set_title("on the treads", fontsize=8, fontweight="normal")
+    inset.tick_params(labelsize=7)
+    inset.set_xlim(-5.0, 5.0)
+    inset.yaxis.tick_right()
+
+
+def _angles(axis, rigid):
+    y = 1e3 * rigid.y
+    for k, name, colour, line in ((0, "right wheel", BLUE, "-"), (1, "left wheel", VERMILION, "--")):
+        curve = _broken(y, np.degrees(rigid.angle[:, k]), rigid.on_wheel[:, k : k + 1])
+        axis.plot(*curve, color=colour, linestyle=line, label=name)
+    axis.set_title("Contact angle, yaw = 0, both wheels touching")
+    axis.set_xlabel("lateral position y of the wheelset [mm]")
+    axis.set_ylabel("contact angle [degrees]")
+    axis.set_xlim(y[0], y[-1])
+    axis.legend(loc="upper center")
+
+
+def level_nodes(table):
+    """Nodes of the table at roll = yaw = 0: lateral position [m] of the pose and row of `table.node` for each."""
+    s = table.settings
+    row = (s.roll_count // 2) * (s.yaw_count - 1) * (s.y_count - 1)
+    y, nodes = [], []
+    for i in range(s.y_count):
+        cell, corner = row + min(i, s.y_count - 2), int(i == s.y_count - 1)
+        found = table.branch[table.cell[cell] : table.cell[cell + 1], corner]
+        nodes.append(found[found >= 0])
+        y.append(np.full(nodes[-1].size, -s.y_step * (s.y_count // 2) + i * s.y_step))
+    return np.concatenate(y), np.concatenate(nodes)
+
+
+def _branches(axis, table, mounting):
+    y, index = level_nodes(table)
+    node = table.node[index]
+    deepest = np.zeros(y.size, bool)
+    for place in np.unique(y):
+        same = np.flatnonzero(y == place)
+        deepest[same[np.argmin(node[same, Node.GAP])]] = True
+    axis.plot(
+        1e3 * y[deepest], 1e3 * node[deepest, Node.LATERAL], "s", color="#cccccc", markersize=6, label="deepest"
+    )
+    for region, colour in REGION_COLOURS.items():
+        here, name = np.round(node[:, Node.REGION]) == region, region.name.lower()
+        if here.any():
+            axis.plot(1e3 * y[here], 1e3 * node[here, Node.LATERAL], ".", color=colour, markersize=3, label=name)
+    for edge in wheel_regions(mounting):
+        axis.axhline(1e3 * edge, color=GREY, linewidth=0.7, linestyle=":")
+    axis.set_title("Branches in the table, roll = yaw = 0")
+    axis.set_xlabel("lateral position of the wheel about nominal [mm]")
+    axis.set_ylabel("on the wheel, from the tape circle to the field side [mm]")
+    axis.legend(loc="lower left", markerscale=2.0)
