@@ -45,7 +45,7 @@ def check_fit(mounting, settings):
     found = np.zeros((1, PER_CORNER, 6))
     counts = np.zeros(1, np.int64)
     solve_orientation(
-        1, 0.0, 0.0, 0.0, settings.y_step, *mounting.kernel_arguments, stations(mounting), found, counts
+        1, 0.0, 0.0, 0.0, 0.0, settings.y_step, *mounting.kernel_arguments, stations(mounting), found, counts
     )
     deepest = found[0, : counts[0]][np.argmin(found[0, : counts[0], 1])] if counts[0] else None
     regions = wheel_regions(mounting)
@@ -92,7 +92,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         for iw in range(nw):
             yaw = settings.yaw_range * math.sqrt(iw / (nw - 1))
             used, full = solve_orientation(
-                METHODS.index(method), roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments, station,
+                METHODS.index(method), mounting.pressed, roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments, station,
                 found, counts,
             )
             evaluations += used

@@ -38,14 +38,14 @@ def direct_contacts(mounting, pose, station):
     found = np.zeros((16, 6))
     scratch = np.empty((station.size, 3))
     total, _ = minima(
-        1, y, e, f, d, *arguments, station, scratch, scratch, scratch,
+        1, mounting.pressed, y, e, f, d, *arguments, station, scratch, scratch, scratch,
         np.empty(station.size), np.empty(station.size), found,
     )  # fmt: skip
     rows = []
     for s, gap, gauge, field, *_ in found[: min(total, 16)]:
         _, _, slope = slope_difference(s, y, e, f, d, *arguments)
         radius = locus(s, e, f, d, mounting.radius, mounting.wheel, mounting.wheel_start, mounting.wheel_step)[3]
-        rows.append((s, gap, -np.arctan(slope), radius, min(gauge, field) - gap))
+        rows.append((s, gap, -np.arctan(slope), radius, min(gauge, field)))
     return np.array(rows).reshape(-1, 5)
 
 

@@ -35,6 +35,7 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @setting("--yaw-range", "30", "MRAD", "Yaw, to both sides.", 1e3)
 @setting("--yaw-count", "11", "NUMBER", "Values of yaw from 0, in equal steps of its square.", 1, int)
 @setting("--curvature-window", "2", "MM", "Arc length over which profile curvature is averaged.", 1e3)
+@setting("--pressed", "0", "MM", "Quasi-elastic contact points, the wheel pressed in by this much; 0: rigid.", 1e3)
 @click.option(
     "--method",
     type=click.Choice(["simplex", "locus"]),

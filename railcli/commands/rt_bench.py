@@ -8,7 +8,7 @@ from .options import results_options
 
 FEWEST_CALLS = 1000  # so that p99.9 is a measured value
 MOST_CALLS = 10_000_000  # whose times fit into memory
-LONGEST_STEP = 2.0  # [ms], as in scenario files
+STEPS = (1e-3, 2.0)  # shortest and longest [ms]
 
 
 @click.command("rt-bench", short_help="Time the model against a real-time budget.")
@@ -67,9 +67,10 @@ def rt_bench(
     from railcli.runtime.timing import steps_per_call
 
     scenario = load(scenario or DEFAULT_SCENARIO)
-    _check_range("--budget", budget, 0.0 < budget <= 1e3 * scenario.duration, "above 0 ms and within the run")
+    run = scenario.duration * 1e3
+    _check_range("--budget", budget, 0.0 < budget <= run, f"above 0 and at most the {run:.4g} ms of the run")
     if step is not None:
-        _check_range("--step", step, 0.0 < step <= LONGEST_STEP, f"above 0 and at most {LONGEST_STEP:g} ms")
+        _check_range("--step", step, STEPS[0] <= step <= STEPS[1], "from {:g} to {:g} ms".format(*STEPS))
         scenario = scenario.varied(run={"step": step * 1e-3, "output_interval": step * 1e-3})
     steps = steps_per_call(budget * 1e-3, scenario.run.step)
     count = _calls("--duration", duration, budget, FEWEST_CALLS)
@@ -99,7 +100,6 @@ def _calls(option, seconds, budget, fewest):
 
 def _measure(scenario, steps, count, warm_up, spin, realtime, quiet):
     """Everything that is measured: the facts, and the times of the calls [us] for histograms."""
-    from railcli.analysis.warm import warm
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
     from railcli.files.tables import tables_for
@@ -111,21 +111,23 @@ def _measure(scenario, steps, count, warm_up, spin, realtime, quiet):
             click.echo(text, err=True)
 
     tables = tables_for(scenario, quiet, say)
-    warm(say)
-    with Progress("Run up", scenario.distance, "m", quiet) as progress:
-        course = timing.run_up(scenario, assemble(scenario, tables), steps, progress.update)
-    metronome = None
-    if spin is not None:
-        metronome = pacing.Metronome(round(course.period * 1e9), round(spin * 1e3))
-        say(f"Paced by the clock: this takes {(warm_up + count) * course.period:.3g} s ...")
+    timing.prepare(say)
+    system = assemble(scenario, tables)
+    begin, _ = timing.stretch(scenario, system.rest)
+    with Progress("Run up", float(begin), "m", quiet) as progress:
+        course = timing.run_up(scenario, system, steps, progress.update)
+    metronome = None if spin is None else pacing.Metronome(round(course.period * 1e9), round(spin * 1e3))
     occupation = timing.occupation()
     with pacing.real_time(realtime) as granted:
+        cost = timing.describe_cost(course)
+        if metronome:
+            say(f"Paced by the clock: this takes {(warm_up + count) * course.period:.3g} s ...")
         timing.time_calls(course, warm_up, metronome)
-        with Progress("Calls", count, "calls", quiet) as progress:
+        with Progress("Calls", count, "calls", quiet or metronome is not None) as progress:
             calls = timing.time_calls(course, count, metronome, progress.update)
         found = {
             **timing.describe_calls(calls, course.period),
-            **timing.describe_cost(course),
+            **cost,
             "warm_up_calls": warm_up,
             "real_time": {"asked": realtime, "scheduling": granted.scheduling, "memory": granted.memory},
             "machine": occupation,

@@ -38,7 +38,7 @@ ARRAYS = {
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
 }
-UNITS = "m, -, m/rad, m/rad^2, m, m, m, m, N/m^1.5, m/N^(1/3), m/N^(1/3), N^(1/3), N^(1/3), m, m^2/N^(1/3), -"
+UNITS = "m, -, m/rad, m/rad^2, m, m, m, m, N/m^1.5, m^0.5, m^0.5, N/m, N/m, N/m^0.5, N, -"
 OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, and units per SI unit
     "inclination": ("--inclination", "", 1.0),
     "gauge": ("--gauge", "mm", 1e3),
@@ -53,8 +53,9 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "young": ("--young", "GPa", 1e-9),
     "poisson": ("--poisson", "", 1.0),
     "curvature_window": ("--curvature-window", "mm", 1e3),
+    "pressed": ("--pressed", "mm", 1e3),
 }
-OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson")
+OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson", "pressed")
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ SCAN_AHEAD = 3  # stations of the coarse scan along the circle
 SIMPLEX_SIZE = 0.4e-3  # edge of the first simplex [m]
 SIMPLEX_STOP = 5e-6  # largest edge at which the simplex stops, Newton takes over [m]
 SIMPLEX_STEPS = 200
+PROBE = 2e-6  # difference step along the profile [m]
 SAME_POINT = 20e-6  # two minima closer than this are one [m]
 
 
@@ -67,16 +68,28 @@ def surface_point(s, radius, sine, e, f, d, r0):
 
 
 @kernel
-def gap(s, ahead, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
-    """Difference surface D [m] at profile coordinate s, `ahead` of the bottom as seen on the tape circle [m].
+def lean_gap(value, rail_slope, level):
+    """What a contact point minimises: D [m] for a rigid contact (level infinite), else (D - level) cos(contact angle).
+
+    The second is minus the approach along the rail's normal while T stands at z = level: where profiles conform, the
+    places that bear the load are those where it is greatest, not those that touch first.
+    """
+    if level < np.inf:
+        return (value - level) / sqrt(1.0 + rail_slope * rail_slope)
+    return value
+
+
+@kernel
+def gap(s, ahead, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Difference surface at profile coordinate s, `ahead` of the bottom as seen on the tape circle; as `lean_gap` [m].
 
     seat [m] is the lateral position of nominal T in the axes of the rail profile.
     """
     value, _ = height(wheel, w0, wh, s)
     sine = min(max(ahead / r0, -0.9), 0.9)
     py, pz = surface_point(s, r0 + value, sine, e, f, d, r0)
-    z, _ = height(rail, g0, gh, y + seat + py)
-    return z - pz
+    z, slope = height(rail, g0, gh, y + seat + py)
+    return lean_gap(z - pz, slope, level)
 
 
 @kernel
@@ -109,14 +122,30 @@ def slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
 
 
 @kernel
-def polish(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
-    """Newton on equal slopes from a minimum found by other means; stays within 0.2 mm of it. Returns s [m]."""
-    probe = 2e-6
+def locus_gap(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """The difference surface on the locus, as `lean_gap` [m]."""
+    _, value, slope = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    return lean_gap(value, slope, level)
+
+
+@kernel
+def ascent(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Zero at a contact point, positive beyond it: slope difference of a rigid contact, else d `locus_gap` / ds."""
+    if level < np.inf:
+        right = locus_gap(s + PROBE, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        left = locus_gap(s - PROBE, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        return 0.5 * (right - left) / PROBE
+    return slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)[0]
+
+
+@kernel
+def polish(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Newton on `ascent` from a minimum found by other means; stays within 0.2 mm of it. Returns s [m]."""
     low, high = s - 0.2e-3, s + 0.2e-3
     for _ in range(12):
-        value, _, _ = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-        right, _, _ = slope_difference(s + probe, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-        rate = (right - value) / probe
+        value = ascent(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        right = ascent(s + PROBE, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        rate = (right - value) / PROBE
         if rate <= 0.0:
             break
         if value > 0.0:
@@ -135,18 +164,18 @@ def polish(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
 
 
 @kernel
-def simplex(s, ahead, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
-    """Minimise D from one seed by the simplex method of Nelder and Mead (1965).
+def simplex(s, ahead, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Minimise the difference surface from one seed by the simplex method of Nelder and Mead (1965).
 
     Reflection 1, expansion 2, contraction and shrinkage 1/2, as in their paper.
-    Returns s, ahead [m], D [m] and the number of evaluations.
+    Returns s, ahead [m], the minimum [m] and the number of evaluations.
     """
     ax, ay = s, ahead
     bx, by = s + SIMPLEX_SIZE, ahead
     cx, cy = s, ahead + 10.0 * SIMPLEX_SIZE
-    fa = gap(ax, ay, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-    fb = gap(bx, by, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-    fc = gap(cx, cy, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    fa = gap(ax, ay, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    fb = gap(bx, by, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    fc = gap(cx, cy, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
     count = 3
     for _ in range(SIMPLEX_STEPS):
         if fb < fa:
@@ -159,11 +188,11 @@ def simplex(s, ahead, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
             break
         mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
         rx, ry = 2.0 * mx - cx, 2.0 * my - cy
-        fr = gap(rx, ry, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        fr = gap(rx, ry, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
         count += 1
         if fr < fa:
             ex, ey = 3.0 * mx - 2.0 * cx, 3.0 * my - 2.0 * cy
-            fe = gap(ex, ey, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            fe = gap(ex, ey, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
             count += 1
             if fe < fr:
                 cx, cy, fc = ex, ey, fe
@@ -177,15 +206,15 @@ def simplex(s, ahead, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
             kx, ky = 0.5 * (mx + rx), 0.5 * (my + ry)
         else:
             kx, ky = 0.5 * (mx + cx), 0.5 * (my + cy)
-        fk = gap(kx, ky, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        fk = gap(kx, ky, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
         count += 1
         if fk < min(fr, fc):
             cx, cy, fc = kx, ky, fk
             continue
         bx, by = 0.5 * (ax + bx), 0.5 * (ay + by)
         cx, cy = 0.5 * (ax + cx), 0.5 * (ay + cy)
-        fb = gap(bx, by, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-        fc = gap(cx, cy, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        fb = gap(bx, by, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        fc = gap(cx, cy, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
         count += 2
     return ax, ay, fa, count
 
@@ -239,14 +268,26 @@ def _crest(station, value, i):
 
 
 @kernel
+def smallest(values):
+    """Smallest of an array."""
+    best = np.inf
+    for value in values:
+        best = min(best, value)
+    return best
+
+
+@kernel
 def minima(
-    method, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station, scan_y, scan_z, ahead, lowest, where, found
+    method, pressed, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
+    scan_y, scan_z, ahead, lowest, where, found,
 ):
     """All contact points of one wheel pose within BARRIER_CAP of the deepest.
 
     method : 0 simplex on D from every basin of the coarse scan; 1 the closed-form locus (its twin).
-    found : (k, 6) filled from the flange to the field side with s [m], D [m], the D of the saddles on the flange and
-        field sides, and the s of these saddles (infinite where there is none).
+    pressed : 0 for rigid contact; else contact points are the places of greatest approach when the wheel is pressed
+        in by this much beyond first touch [m].
+    found : (k, 6) filled from the flange to the field side with s [m], D [m], the barriers towards flange and field
+        side (how much D rises to the saddle; infinite where there is none), and the s of these saddles.
     Returns the number of minima (may exceed k: then the shallowest were left out) and of evaluations of D.
     """
     n = station.size
@@ -259,9 +300,14 @@ def minima(
             _, lowest[i], _ = slope_difference(station[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
             where[i] = 0.0
         evaluations += n
-    best = lowest[1]
-    for i in range(1, n - 1):
-        best = min(best, lowest[i])
+    level = np.inf
+    if pressed > 0.0:
+        level = smallest(lowest) + pressed
+        for i in range(n):
+            _, _, slope = slope_difference(station[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            lowest[i] = lean_gap(lowest[i], slope, level)
+        evaluations += n
+    best = smallest(lowest)
     capacity = found.shape[0]
     count = 0
     total = 0
@@ -276,19 +322,18 @@ def minima(
                 continue
             s = station[i]
             if method == 0:
-                s, _, _, steps = simplex(s, where[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+                s, _, _, steps = simplex(s, where[i], level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
                 evaluations += steps
             else:
                 low, high = station[i - 1], station[i + 1]
                 for _ in range(14):
                     middle = 0.5 * (low + high)
-                    if slope_difference(middle, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)[0] < 0.0:
+                    if ascent(middle, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh) < 0.0:
                         low = middle
                     else:
                         high = middle
                 s = 0.5 * (low + high)
-            s = polish(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-            _, value, _ = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            s = polish(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
             if count > 0 and abs(s - found[count - 1, 0]) < SAME_POINT:
                 found[count - 1, 3] = np.inf
                 continue
@@ -296,8 +341,14 @@ def minima(
             if count == capacity:
                 continue
             found[count, 0] = s
-            found[count, 1] = value
             found[count, 2], found[count, 4] = saddle, saddle_s
             found[count, 3], found[count, 5] = np.inf, np.inf
             count += 1
+    for j in range(count):
+        _, value, slope = slope_difference(found[j, 0], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        bottom = lean_gap(value, slope, level)
+        upright = 1.0 if pressed == 0.0 else sqrt(1.0 + slope * slope)
+        found[j, 1] = value
+        found[j, 2] = max(found[j, 2] - bottom, 0.0) * upright
+        found[j, 3] = max(found[j, 3] - bottom, 0.0) * upright
     return total, evaluations

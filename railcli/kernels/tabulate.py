@@ -16,7 +16,7 @@ PER_CORNER = 4  # minima kept per grid pose
 
 @builder
 def solve_orientation(
-    method, roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
+    method, pressed, roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
 ):
     """Minima for every lateral position of one orientation.
 
@@ -31,7 +31,7 @@ def solve_orientation(
     evaluations, crowded = 0, 0
     for i in range(counts.size):
         total, used = minima(
-            method, y_start + i * y_step, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
+            method, pressed, y_start + i * y_step, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
             scan_y, scan_z, ahead, lowest, where, found[i],
         )
         evaluations += used
@@ -108,8 +108,8 @@ def fill_nodes(
             row = node[n]
             y = y_start + i * y_step
             describe(m[0], y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions, row)
-            row[Node.BARRIER_GAUGE] = min(max(m[2] - m[1], 0.0), BARRIER_CAP)
-            row[Node.BARRIER_FIELD] = min(max(m[3] - m[1], 0.0), BARRIER_CAP)
+            row[Node.BARRIER_GAUGE] = min(m[2], BARRIER_CAP)
+            row[Node.BARRIER_FIELD] = min(m[3], BARRIER_CAP)
             basin[n, 0] = m[4] if isfinite(m[4]) else -np.inf
             basin[n, 1] = m[5] if isfinite(m[5]) else np.inf
             n += 1

@@ -27,6 +27,7 @@ LIMITS = {
     "young": (1e9, 1e12, "Pa"),
     "poisson": (0.0, 0.5, "-"),
     "curvature_window": (0.0, 0.02, "m"),
+    "pressed": (0.0, 1e-3, "m"),
 }
 
 
@@ -53,6 +54,9 @@ class TableSettings:
         Of wheel and rail [Pa], [-].
     curvature_window : float
         Arc length over which the profile curvatures of Hertz's ellipse are averaged [m].
+    pressed : float
+        0: contact points of rigid profiles. Else quasi-elastic: the places of greatest approach when the wheel is
+        pressed in by this much beyond first touch, which turns jumps between conforming arcs into fast motions [m].
     """
 
     inclination: float = 20.0
@@ -68,6 +72,7 @@ class TableSettings:
     young: float = 210e9
     poisson: float = 0.28
     curvature_window: float = 2.0e-3
+    pressed: float = 0.0
 
     def __post_init__(self):
         for key, (low, high, unit) in LIMITS.items():
@@ -115,6 +120,8 @@ class Mounting:
         Lateral position of the nominal reference point in the rail's axes [m].
     radius : float
         Of the tape circle [m].
+    pressed : float
+        As TableSettings says [m].
     """
 
     wheel: np.ndarray
@@ -125,6 +132,7 @@ class Mounting:
     rail_step: float
     seat: float
     radius: float
+    pressed: float
 
     @property
     def kernel_arguments(self):
@@ -157,6 +165,7 @@ def mount(wheel, rail, settings):
         rail_step=rail_step,
         seat=settings.lateral - 0.5 * settings.gauge + y_gauge,
         radius=settings.radius,
+        pressed=settings.pressed,
     )
 
 

@@ -58,7 +58,8 @@ class Contact(Description):
     table: Name | None = None  # file of a contact table already built
     young: Positive = Field(210e9, alias="young_Pa")
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
-    damping: Annotated[NotNegative, Field(le=100.0)] = Field(0.2, alias="damping_s_per_m")
+    damping: Annotated[NotNegative, Field(le=100.0)] = Field(2.0, alias="damping_s_per_m")
+    pressed: Annotated[NotNegative, Field(le=1e-3)] = Field(0.0, alias="pressed_m")
 
     @model_validator(mode="after")
     def _fits_together(self):

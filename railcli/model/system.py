@@ -58,6 +58,7 @@ def table_settings(scenario, radius):
         radius=radius,
         young=contact.young,
         poisson=contact.poisson,
+        pressed=contact.pressed,
     )
 
 

@@ -1,6 +1,7 @@
 """Timed calls and stages for readers: the report of `railcli rt-bench`, its histogram and its stage bars."""
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
 from .text import columns, facts
@@ -58,12 +59,12 @@ def _row(name, percentiles):
 
 
 def verdict(found):
-    """One line: how many calls missed the budget."""
-    line = f"{found['over_budget']:,} of {found['calls']:,} calls over the budget of {found['budget_ms']:g} ms"
+    """Sentences: how many calls missed the budget; paced, how many ended after the next one was due."""
+    count, budget = f"of {found['calls']:,} calls", f"{found['budget_ms']:g} ms"
+    sentences = [f"{found['over_budget']:,} {count} over the budget of {budget}"]
     if found["paced"]:
-        late, share = found["paced"]["late"], found["paced"]["late_share"]
-        line += f"; {late:,} cycles ({share:.3%}) with wake-up and computation longer than it"
-    return line
+        sentences.append(f"{found['paced']['late']:,} {count} ended later than {budget} after they were due")
+    return sentences
 
 
 def summary(found):
@@ -81,15 +82,11 @@ def summary(found):
         f"{clock['clock']}, smallest step seen {clock['smallest_step_seen_ns']:g} ns"
         for clock in found["clocks"].values()
     ]
-    again = (
-        f"then again from there, {found['rewinds']:,} times"
-        if found["rewinds"]
-        else "not reached: it would go on from the kept state"
-    )
+    back = f"{found['rewinds']:,} times" if found["rewinds"] else "not needed here"
     pairs = [
         ("scenario", f"{found['scenario']}, {found['speed_ms']:g} m/s"),
         ("kept state", f"t = {kept['time_s']:.2f} s, s = {kept['distance_m']:.1f} m, {_loaded(kept['patches'])}"),
-        ("its end", f"{found['lap_s']:.4g} s later; {again}"),
+        ("from there", f"{found['lap_s']:.4g} s to the end, then on from the kept state again ({back})"),
         ("calls", _calls(found)),
         ("processor", ", ".join([source["cpu"], cores, *([f"load average {load[0]:.2f}"] if load else [])])),
         ("system", source["platform"]),
@@ -115,7 +112,7 @@ def summary(found):
         f"One pass of each stage, of which each step of {found['step_ms']:g} ms makes one [us]:",
         *columns(_stage_rows(found), ("", "median", "min")),
         *(f"  {line}" for line in WHY_NOT_THE_SUM),
-        f"Verdict: {verdict(found)}",
+        f"Verdict: {'; '.join(verdict(found))}",
     ]
 
 
@@ -126,7 +123,8 @@ def _loaded(patches):
 def _calls(found):
     steps = f"{found['steps_per_call']} step{'s' if found['steps_per_call'] > 1 else ''} of {found['step_ms']:g} ms"
     order = "paced by the clock" if found["paced"] else "back to back"
-    return f"{found['calls']:,} of {found['budget_ms']:g} ms ({steps}), {order}, after {found['warm_up_calls']:,} unmeasured"
+    warm_up = f"after {found['warm_up_calls']:,} to warm up"
+    return f"{found['calls']:,} of {found['budget_ms']:g} ms ({steps}), {order}, {warm_up}"
 
 
 def _stage_rows(found):
@@ -159,13 +157,17 @@ def plot_histogram(found, samples, path):
             axis.stairs(count, edges, color=COLOURS[name], fill=filled, alpha=alpha, label=SAMPLES[name])
         axis.set_xscale("log")
         axis.set_yscale("log")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.xaxis.set_minor_formatter(NullFormatter())
+        for direction in (axis.xaxis, axis.yaxis):
+            direction.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
         axis.set_ylim(0.7, 3.0 * max(count.max() for count in counts))
         _mark_percentiles(axis, found["step_us"])
         axis.axvline(budget, color=VERMILION, linewidth=1.6, label=f"budget {budget:,g} us")
-        axis.set_title(f"{found['scenario']}: {verdict(found)}")
-        axis.set_xlabel(f"wall time of a call that advances {found['budget_ms']:g} ms [us]")
+        axis.set_title("\n".join([found["scenario"], *verdict(found)]))
+        axis.set_xlabel(f"wall time [us]; each call advances {found['budget_ms']:g} ms")
         axis.set_ylabel("calls")
-        axis.legend(loc="upper right", bbox_to_anchor=(1.0, 0.88))
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=len(samples) + 1)
 
     draw(paint, path, (9.0, 5.0))
 
@@ -207,8 +209,9 @@ def plot_stages(found, path):
         axis.invert_yaxis()
         axis.margins(x=0.12)
         axis.grid(axis="y", visible=False)
-        axis.set_title(f"{found['scenario']}: one step of {found['step_ms']:g} ms, {_loaded(found['kept_state']['patches'])}")
+        loaded = _loaded(found["kept_state"]["patches"])
+        axis.set_title(f"{found['scenario']}: one step of {found['step_ms']:g} ms, {loaded}")
         axis.set_xlabel("wall time of one pass, repeated alone [us]")
-        axis.legend(loc="lower right")
+        axis.legend(loc="upper right")
 
     draw(paint, path, (9.0, 3.6))

@@ -10,6 +10,7 @@ import numpy as np
 
 from railcli.analysis.faults import sentence
 from railcli.analysis.simulate import settled_start
+from railcli.analysis.warm import warm
 from railcli.errors import InputError, SimulationError
 from railcli.kernels import step
 from railcli.kernels.layout import Data
@@ -21,7 +22,7 @@ from .pacing import undisturbed
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p999": 999, "max": 1000}
 RUN_UP_STEPS = 200  # between two returns to Python
 BATCHES = 20
-BATCH = 0.5  # simulated time of a batch [s]
+BATCH = 1000  # steps of a batch
 TICKS = 20  # of the processor clock that a batch lasts at least
 ROUNDS = 25  # of all stages, in turn
 PASSES = 20_000_000  # wall time over which a stage is repeated [ns], over ROUNDS
@@ -92,6 +93,12 @@ class Calls:
         return self.wake_up + self.compute
 
 
+def prepare(announce=None):
+    """Make all that is timed ready, as `warm`; the stages take some two seconds more when the core is compiled."""
+    warm(announce)
+    repeat.compiled()
+
+
 def steps_per_call(budget, step_size):
     """How many steps make one budget; both [s]."""
     steps = round(budget / step_size)
@@ -136,7 +143,7 @@ def run_up(scenario, system, steps, progress=None):
     steps : int
         Per timed call.
     progress : callable, optional
-        Called with the arc length reached and the one to reach [m].
+        Called with the arc length reached [m].
 
     Returns
     -------
@@ -152,7 +159,7 @@ def run_up(scenario, system, steps, progress=None):
         course.check(step.advance(system.model, data, count))
         left -= count
         if progress:
-            progress(float(data.q[0, 0]), begin)
+            progress(float(data.q[0, 0]))
     calls = math.floor((end - float(data.q[0, 0])) / (steps * length))
     if calls < 1:
         raise InputError(
@@ -209,7 +216,7 @@ def percentiles(nanoseconds):
 
 
 def real_time_factors(course):
-    """Simulated time over processor time of this thread, for each of BATCHES calls of many steps.
+    """Simulated time over processor time of this thread, for each of BATCHES calls of many steps, after one to warm up.
 
     Returns
     -------
@@ -217,12 +224,12 @@ def real_time_factors(course):
     batch : float
         Simulated time of a batch [s].
     """
-    steps = min(course.calls * course.steps, max(1, round(BATCH / course.step)))
+    steps = min(course.calls * course.steps, BATCH)
     advance, clock = step.advance.compiled(), time.thread_time_ns
     enough = TICKS * tick(clock)
     batch, factors = steps * course.step, []
     with undisturbed():
-        for _ in range(BATCHES):
+        for _ in range(1 + BATCHES):
             cpu, simulated = 0, 0.0
             while cpu < enough:
                 course.rewind()
@@ -232,7 +239,7 @@ def real_time_factors(course):
                 course.check(status)
                 simulated += batch
             factors.append(simulated / (cpu * 1e-9))
-    return factors, batch
+    return factors[1:], batch
 
 
 def stage_costs(course):

@@ -20,6 +20,7 @@ from railcli.files.output import (
     write_json,
     write_text,
 )
+from railcli.kernels import place
 
 FAILURES = [KeyboardInterrupt(), SimulationError("derailed"), ZeroDivisionError()]
 
@@ -312,7 +313,7 @@ def test_cache_folder_is_where_the_user_says(monkeypatch, tmp_path):
 @pytest.mark.parametrize("value", ["", None])
 def test_empty_cache_setting_counts_as_none(monkeypatch, tmp_path, value):
     monkeypatch.delenv("RAILCLI_CACHE_DIR", raising=False)
-    monkeypatch.setattr(output.sys, "platform", "linux")
+    monkeypatch.setattr(place.sys, "platform", "linux")
     monkeypatch.setenv("HOME", str(tmp_path))
     if value is None:
         monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
