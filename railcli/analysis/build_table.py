@@ -92,9 +92,9 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         for iw in range(nw):
             yaw = settings.yaw_range * math.sqrt(iw / (nw - 1))
             used, full = solve_orientation(
-                METHODS.index(method), mounting.pressed, roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments, station,
-                found, counts,
-            )
+                METHODS.index(method), mounting.pressed, roll, yaw, y_start, settings.y_step,
+                *mounting.kernel_arguments, station, found, counts,
+            )  # fmt: skip
             evaluations += used
             crowded += full
             node = np.empty((int(counts.sum()), NODE_CHANNELS))

@@ -1,5 +1,7 @@
 """What a status number of the core means, in words."""
 
+import numpy as np
+
 from railcli.kernels.layout import Status
 
 _WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS)
@@ -19,10 +21,11 @@ def sentence(system, data, status):
         body = system.model.wheel[culprit]["body"]
         _, y, z, roll, _, yaw = data.q[body]
         pose = f"y = {y * 1e3:.1f} mm, roll = {roll * 1e3:.1f} mrad, yaw = {yaw * 1e3:.1f} mrad"
+        wheel = system.model.wheel[culprit]
+        lift = -(z + wheel["side"] * wheel["lateral"] * np.sin(roll) + wheel["radius"] * np.cos(roll))
         what = {
             Status.LEFT_TABLE: f"left the contact table ({pose})",
-            Status.DERAILED: f"derailed: it stands {-1e3 * (z + system.model.wheel[culprit]['radius']):.1f} mm over "
-            f"its nominal height ({pose})",
+            Status.DERAILED: f"derailed: its tape circle stands {1e3 * lift:.1f} mm over the rail ({pose})",
             Status.TOO_MANY_CONTACTS: f"has more contact patches at once than the core keeps ({pose})",
         }[status]
         return f"{when}: wheel {wheel_name(system, culprit)} {what}"

@@ -136,7 +136,7 @@ def run_curve(scenario, tables, progress=None):
 
 
 def steady_displacements(scenario, tables, speeds):
-    """Quasi-static displacements towards the outer rail [mm], (n_speed, n_wheelset); NaN where there is no such motion."""
+    """Quasi-static displacements towards the outer rail [mm], (n_speed, n_wheelset); NaN where there is none."""
     system = assemble(scenario, tables)
     curvature, cant, hand = last_curve(scenario)
     rows = []

@@ -8,11 +8,11 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
+from .profile import TAPE_TO_BACK
 from .submodels import CREEP_LAWS
 from .track import MARGIN, Track
 from .vehicle import Vehicle
 
-TAPE_CIRCLE_FROM_FLANGE_BACK = 0.070  # [m], UIC 510-2
 STEEPEST_INCLINATION = 5.0  # 1 in ...
 
 
@@ -75,14 +75,9 @@ class Contact(Description):
         return self
 
     @property
-    def rail_angle(self):
-        """Inclination of the rails towards the middle of the track [rad]."""
-        return math.atan(1.0 / self.inclination) if self.inclination else 0.0
-
-    @property
     def tape_circle(self):
         """Distance of the tape circles from the middle of the wheelset [m]."""
-        return self.flange_back / 2.0 + TAPE_CIRCLE_FROM_FLANGE_BACK
+        return self.flange_back / 2.0 + TAPE_TO_BACK
 
 
 class Start(Description):
