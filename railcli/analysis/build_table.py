@@ -6,8 +6,9 @@ import time
 import numpy as np
 
 from railcli.errors import InputError
+from railcli.kernels.branches import PER_CORNER, cut_knots, join_cells, link_nodes
 from railcli.kernels.layout import NODE_CHANNELS
-from railcli.kernels.tabulate import PER_CORNER, fill_nodes, link_cells, solve_orientation
+from railcli.kernels.tabulate import fill_nodes, solve_orientation
 from railcli.model.contact_table import ContactTable, mount
 
 METHODS = ("simplex", "locus")
@@ -112,9 +113,12 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
     first = np.concatenate([[0], np.cumsum(all_counts)])
     cell = np.zeros((nr - 1) * (nw - 1) * (ny - 1) + 1, np.int32)
     capacity = 2 * cell.size + 1000
+    link = np.empty((node.shape[0], 3), np.int32)
+    link_nodes(first, node, basin, ny, nr, nw, link)
+    cuts = cut_knots(first, node, link, ny, nr, nw)
     while True:
         branch = np.empty((capacity, 8), np.int32)
-        count, ended, knots = link_cells(first, node, basin, ny, nr, nw, cell, branch)
+        count, ended = join_cells(first, node, link, ny, nr, nw, cell, branch)
         if count <= capacity:
             break
         capacity = count
@@ -137,7 +141,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         "nodes": int(node.shape[0]),
         "branches": int(count),
         "ended": int(ended),
-        "knots": int(knots),
+        "cuts": int(cuts),
     }
     if progress:
         progress(1.0)

@@ -11,7 +11,7 @@ from .build_table import build_table
 from .certify import certify
 
 CORE = (step.advance, step.record, step.evaluate)
-LAST_OF_TABLES = "tabulate.link_cells"  # the last function that a table needs
+LAST_OF_TABLES = "branches.join_cells"  # the last function that a table needs
 
 
 def warm(announce=None):

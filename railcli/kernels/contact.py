@@ -9,7 +9,7 @@ from math import atan, isfinite, sqrt
 from .creep import forces_and_jacobian
 from .jit import kernel
 from .layout import MAX_CONTACT, NODE_CHANNELS, Node, Status
-from .vec3 import add, cross, dot, scale
+from .vec3 import add, cross, dot, get, scale
 
 GAP = Node.GAP.value
 SLOPE = Node.SLOPE.value
@@ -27,6 +27,7 @@ F22 = Node.F22.value
 F23 = Node.F23.value
 F33 = Node.F33.value
 REGION = Node.REGION.value
+PART = Node.GAP_YAW2.value  # of a sample: weight of the corners that have the branch, 1 where it does not end
 
 
 @kernel
@@ -80,13 +81,13 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
     """All branches of a contact table that are loaded when the wheel's reference point is at z = depth.
 
     sample : (MAX_CONTACT, NODE_CHANNELS) filled from the flange to the field side, with GAP replaced by the
-        penetration depth - D [m] and SLOPE by dD/dy there.
+        penetration depth - D [m] and GAP_YAW2 by the branch's part in the cell (PART).
     Returns the number of loaded branches; -1 when the pose is off the table or not a number; more than MAX_CONTACT
     when sample could not hold them.
 
     Linear interpolation between the eight corners of a cell; D adds half the slopes of the corners, which makes it
-    exact for quadratics. A branch that ends within the cell is taken from the corners that have it; its barriers go
-    to zero towards the others.
+    exact for quadratics. A branch that ends within the cell is taken from the corners that have it, and fades with
+    their weight.
     """
     py = (y - table["y_start"]) / table["y_step"]
     pr = (roll - table["roll_start"]) / table["roll_step"]
@@ -111,17 +112,15 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
         out = min(count, MAX_CONTACT - 1)
         if whole:
             mix(node, n, w, sample, out)
-            share, mean = 1.0, 0.0
+            weight, share, mean = 1.0, 1.0, 0.0
         else:
             weight = total(w, (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
             if weight < 1e-9:
                 continue
             mix(node, n, w, sample, out)
             share = 1.0 / weight
-            gauge, field = sample[out, BARRIER_GAUGE], sample[out, BARRIER_FIELD]
             for k in range(NODE_CHANNELS):
                 sample[out, k] *= share
-            sample[out, BARRIER_GAUGE], sample[out, BARRIER_FIELD] = gauge, field
             mean = share * (
                 sample[out, SLOPE] * hy * total(w, uy)
                 + sample[out, GAP_ROLL] * hr * total(w, ur)
@@ -133,6 +132,7 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
         p = depth - (sample[out, GAP] + 0.5 * (bent + mean))
         if p > 0.0:
             sample[out, GAP] = p
+            sample[out, PART] = weight
             count += 1
     return count
 
@@ -177,7 +177,7 @@ def elastic_share(sample, count, j, cosine):
         near, far = sample[j, BARRIER_FIELD], sample[j + 1, BARRIER_GAUGE]
         if near < p:
             own -= far / max(near + far, 1e-12) * power_1_5((p - near) * cosine)
-    return max(own, 0.0)
+    return sample[j, PART] * max(own, 0.0)
 
 
 @kernel
@@ -262,8 +262,9 @@ def touch(model, data):
 def slip(model, data):
     """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load, fill data.creep_damping.
 
-    The rail is at rest. Its direction at a contact ahead of the axle is turned by the track's curvature. Running
-    backwards turns the contact axes x and t with the rolling direction.
+    The rail is at rest. Its direction at the contact differs from that of the track frame by the frame's rotation per
+    metre: by curvature ahead of the axle, and on a cant ramp by the slope of each rail. Running backwards turns the
+    contact axes x and t with the rolling direction.
     """
     param = model.param[0]
     block = data.creep_damping
@@ -288,7 +289,7 @@ def slip(model, data):
         )
         way = 1.0 if v[0] >= 0.0 else -1.0
         per_speed = 1.0 / max(sqrt(dot(v, v)), param["creep_speed"])
-        curvature = frame["rate"][2]
+        k = get(frame["rate"])
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for j in range(patches):
             contact = data.contact[w, j]
@@ -296,8 +297,9 @@ def slip(model, data):
             cosine = 1.0 / sqrt(1.0 + slope * slope)
             normal = (0.0, -slope * cosine, cosine)
             arm = (contact["arm"][0], contact["arm"][1], contact["arm"][2])
-            along = (way, way * curvature * arm[0], 0.0)
-            across = (-along[1] * normal[2], way * normal[2], -way * normal[1])
+            right, down_rail = data.q[i, 1] + arm[1], data.q[i, 2] + arm[2]
+            along = (way, way * (k[2] * arm[0] - k[0] * down_rail), way * (k[0] * right - k[1] * arm[0]))
+            across = cross(normal, along)
             arm_x, arm_t = cross(arm, along), cross(arm, across)
             xi = (dot(along, v) + dot(arm_x, omega)) * per_speed
             eta = (dot(across, v) + dot(arm_t, omega)) * per_speed
@@ -312,7 +314,7 @@ def slip(model, data):
             here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))
             force = add(force, here)
             moment = add(moment, add(cross(arm, here), scale(mz, normal)))
-            g0 = (along[0], along[1], 0.0, dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x))
+            g0 = (along[0], along[1], along[2], dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x))
             g1 = (across[0], across[1], across[2], dot(forward, arm_t), dot(axle, arm_t), dot(down, arm_t))
             g2 = (0.0, 0.0, 0.0, dot(forward, normal), dot(axle, normal), dot(down, normal))
             for b in range(6):

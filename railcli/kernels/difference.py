@@ -277,6 +277,21 @@ def smallest(values):
 
 
 @kernel
+def drop_shallowest(found, count, value):
+    """Remove the minimum with the largest D, if larger than value, from the rows of `minima`. Returns how many stay."""
+    worst = 0
+    for j in range(1, count):
+        if found[j, 1] > found[worst, 1]:
+            worst = j
+    if found[worst, 1] <= value:
+        return count
+    for j in range(worst, count - 1):
+        for k in range(found.shape[1]):
+            found[j, k] = found[j + 1, k]
+    return count - 1
+
+
+@kernel
 def minima(
     method, pressed, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
     scan_y, scan_z, ahead, lowest, where, found,
@@ -338,9 +353,12 @@ def minima(
                 found[count - 1, 3] = np.inf
                 continue
             total += 1
+            _, value, _ = slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            if count == capacity:
+                count = drop_shallowest(found, count, value)
             if count == capacity:
                 continue
-            found[count, 0] = s
+            found[count, 0], found[count, 1] = s, value
             found[count, 2], found[count, 4] = saddle, saddle_s
             found[count, 3], found[count, 5] = np.inf, np.inf
             count += 1
@@ -348,7 +366,6 @@ def minima(
         _, value, slope = slope_difference(found[j, 0], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
         bottom = lean_gap(value, slope, level)
         upright = 1.0 if pressed == 0.0 else sqrt(1.0 + slope * slope)
-        found[j, 1] = value
         found[j, 2] = max(found[j, 2] - bottom, 0.0) * upright
         found[j, 3] = max(found[j, 3] - bottom, 0.0) * upright
     return total, evaluations

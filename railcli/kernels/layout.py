@@ -180,7 +180,7 @@ class Node(IntEnum):
 
 
 class Region(IntEnum):
-    """Identity of a branch: the part of the wheel profile on which it lies."""
+    """Label of a contact point: the part of the wheel profile on which it lies."""
 
     TREAD = 0
     ROOT = 1
@@ -218,7 +218,6 @@ CONTACT = np.dtype(  # derived: one contact patch; forces on the wheel, contact 
         ("angle", "f8"),  # contact angle, positive when the normal leans to the flange [rad]
         ("lateral", "f8"),  # on the wheel profile, from the tape circle to the field side [m]
         ("radius", "f8"),  # distance from the axle [m]
-        ("ahead", "f8"),  # position ahead of the axle [m]
         ("semi_x", "f8"),  # contact ellipse [m]
         ("semi_y", "f8"),
         ("region", "f8"),  # Region
@@ -288,7 +287,7 @@ class Rows(NamedTuple):
     time: np.ndarray  # (n,) [s]
     q: np.ndarray  # (n, n_body, 6) as Data
     v: np.ndarray  # (n, n_body, 6) as Data
-    acceleration: np.ndarray  # (n, n_body, 3) force but weight over mass, track axes, z plus g [m/s^2]
+    acceleration: np.ndarray  # (n, n_body, 3) what an accelerometer feels, track axes, z plus g [m/s^2]
     rail: np.ndarray  # (n, n_wheel) RAIL
     contact: np.ndarray  # (n, n_wheel, MAX_CONTACT) CONTACT
     traction: np.ndarray  # (n,) force that holds the speed [N]

@@ -9,7 +9,7 @@ from .contact import describe_patch, slip, touch
 from .jit import entry, kernel
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
 from .suspension import suspension
-from .vec3 import get
+from .vec3 import cross, get, scale
 
 
 @kernel
@@ -153,10 +153,10 @@ def write_row(model, data, rows, n):
         for k in range(6):
             rows.q[n, i, k] = data.q[i, k]
             rows.v[n, i, k] = data.v[i, k]
-        track, force = data.frame[i]["track"], data.frame[i]["force"]
+        frame, speed = data.frame[i], data.rate[i, 0]
+        carried = cross(scale(speed, get(frame["rate"])), (data.v[i, 0], data.v[i, 1], data.v[i, 2]))
         for a in range(3):
-            total = track[0, a] * force[0] + track[1, a] * force[1] + track[2, a] * force[2]
-            rows.acceleration[n, i, a] = total / model.body[i]["mass"]
+            rows.acceleration[n, i, a] = data.dv[i, a] + carried[a] - gravity * frame["track"][2, a]
         rows.acceleration[n, i, 2] += gravity
     for w in range(model.wheel.size):
         rows.rail[n, w] = data.rail[w]

@@ -1,9 +1,10 @@
-"""From minima at grid poses to the nodes, cells and branches of a contact table (theory.md section 4)."""
+"""From wheel poses to the nodes of a contact table (theory.md section 4)."""
 
 from math import cos, isfinite, sin, sqrt
 
 import numpy as np
 
+from .branches import PER_CORNER
 from .difference import BARRIER_CAP, height, locus, mean_curvature, minima, prepare_scan, slope_difference, wheel_axes
 from .hertz import ellipse
 from .jit import builder, kernel
@@ -11,7 +12,6 @@ from .kalker import stiffness
 from .layout import Node, Region
 
 MIN_CURVATURE = 0.2  # smallest relative lateral curvature; conformal contacts are held there [1/m]
-PER_CORNER = 4  # minima kept per grid pose
 
 
 @builder
@@ -114,93 +114,3 @@ def fill_nodes(
             basin[n, 1] = m[5] if isfinite(m[5]) else np.inf
             n += 1
     return n
-
-
-@kernel
-def same_branch(node, basin, a, b):
-    """True when each of two minima lies in the other's basin."""
-    sa, sb = node[a, Node.LATERAL], node[b, Node.LATERAL]
-    return basin[b, 0] < sa and sa < basin[b, 1] and basin[a, 0] < sb and sb < basin[a, 1]
-
-
-@builder
-def link_cells(first, node, basin, ny, nr, nw, cell, branch):
-    """Join the minima at the eight corners of every cell into branches.
-
-    Minima of neighbouring poses belong together when each lies in the other's basin; a branch is what hangs together
-    along the edges of a cell.
-    first : (n_pose + 1,) first node of each pose, poses ordered roll, yaw^2, y (fastest).
-    cell : (n_cell + 1,) filled; branch : (capacity, 8) filled with node indices, -1 where the branch does not reach.
-    Returns the number of branches (over capacity: nothing more was written), of those that end within their cell, and
-    of knots, where a branch met itself around a cell and was cut.
-    """
-    member = np.empty(8 * PER_CORNER, np.int64)
-    corner_of = np.empty(8 * PER_CORNER, np.int64)
-    label = np.empty(8 * PER_CORNER, np.int64)
-    count, ended, knots, place = 0, 0, 0, 0
-    for ir in range(nr - 1):
-        for iw in range(nw - 1):
-            for iy in range(ny - 1):
-                cell[place] = count
-                place += 1
-                n = 0
-                for c in range(8):
-                    pose = ((ir + ((c >> 1) & 1)) * nw + iw + (c >> 2)) * ny + iy + (c & 1)
-                    for k in range(first[pose], first[pose + 1]):
-                        member[n], corner_of[n], label[n] = k, c, n
-                        n += 1
-                for a in range(n):
-                    for b in range(a + 1, n):
-                        apart = corner_of[a] ^ corner_of[b]
-                        if (apart == 1 or apart == 2 or apart == 4) and label[a] != label[b]:
-                            if same_branch(node, basin, member[a], member[b]):
-                                old, new = max(label[a], label[b]), min(label[a], label[b])
-                                for k in range(n):
-                                    if label[k] == old:
-                                        label[k] = new
-                start = count
-                for a in range(n):
-                    if label[a] != a:
-                        continue
-                    if count >= branch.shape[0]:
-                        count += 1
-                        continue
-                    row = branch[count]
-                    for c in range(8):
-                        row[c] = -1
-                    reached = 0
-                    for k in range(a, n):
-                        if label[k] == a:
-                            if row[corner_of[k]] >= 0:
-                                knots += 1
-                                continue
-                            row[corner_of[k]] = member[k]
-                            reached += 1
-                    if reached < 8:
-                        ended += 1
-                    count += 1
-                order_branches(node, branch, start, min(count, branch.shape[0]))
-    cell[place] = count
-    return count, ended, knots
-
-
-@kernel
-def order_branches(node, branch, start, stop):
-    """Sort branches start ... stop - 1 of one cell from the flange to the field side."""
-    for a in range(start + 1, stop):
-        b = a
-        while b > start and mean_lateral(node, branch[b]) < mean_lateral(node, branch[b - 1]):
-            for c in range(8):
-                branch[b, c], branch[b - 1, c] = branch[b - 1, c], branch[b, c]
-            b -= 1
-
-
-@kernel
-def mean_lateral(node, corners):
-    """Mean profile coordinate of a branch over the corners that it reaches [m]."""
-    total, n = 0.0, 0
-    for c in range(8):
-        if corners[c] >= 0:
-            total += node[corners[c], Node.LATERAL]
-            n += 1
-    return total / max(n, 1)

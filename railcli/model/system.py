@@ -12,6 +12,7 @@ from .contact_table import TableSettings
 from .submodels import CREEP_LAWS, choose
 
 HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
+HOLD_SHARE = 0.5  # of the body's mass over the step: the holding force acts explicitly and must not overshoot
 CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
 DERAIL_LIFT = 0.030  # a wheel lifted by more than its flange's height has left the rail [m]
 
@@ -88,7 +89,7 @@ def parameters(scenario):
     param["gravity"] = scenario.run.gravity
     param["cant_base"] = scenario.cant_base
     param["speed"] = scenario.run.speed
-    param["hold"] = HOLD
+    param["hold"] = min(HOLD, HOLD_SHARE * scenario.vehicle.bodies[0].mass / scenario.run.step)
     param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
     param["creep_speed"] = CREEP_SPEED
     param["damping"] = scenario.contact.damping

@@ -82,7 +82,7 @@ def summary(found):
         f"{clock['clock']}, smallest step seen {clock['smallest_step_seen_ns']:g} ns"
         for clock in found["clocks"].values()
     ]
-    back = f"{found['rewinds']:,} times" if found["rewinds"] else "not needed here"
+    back = {0: "not needed here", 1: "once"}.get(found["rewinds"], f"{found['rewinds']:,} times")
     pairs = [
         ("scenario", f"{found['scenario']}, {found['speed_ms']:g} m/s"),
         ("kept state", f"t = {kept['time_s']:.2f} s, s = {kept['distance_m']:.1f} m, {_loaded(kept['patches'])}"),
