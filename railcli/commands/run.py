@@ -2,7 +2,9 @@
 
 import click
 
-from railcli.errors import RailcliError
+from .options import results_options
+
+DEFAULT_SCENARIO = "curve-1200-45"
 
 
 @click.group(short_help="Run a scenario.")
@@ -11,7 +13,101 @@ def run():
 
 
 @run.command(short_help="Run a built-in or a TOML scenario.")
-@click.argument("scenario", required=False)
-def scenario(scenario):
-    """Run SCENARIO, the name of a built-in one or a TOML file."""
-    raise RailcliError("run scenario: not available yet")
+@click.argument("scenario", required=False, metavar="[NAME|FILE]")
+@click.option("--list", "only_list", is_flag=True, help="List the built-in scenarios and stop.")
+@click.option("--speed", type=float, metavar="M/S", help="Another speed  [default: the scenario's]")
+@click.option("--friction", type=float, metavar="NUMBER", help="Another friction  [default: the scenario's]")
+@click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's]")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@results_options
+def scenario(scenario, only_list, speed, friction, step, no_figures, output_format, output, overwrite, quiet):
+    """Run a scenario: a built-in one or a TOML file; without it, the 1200 m curve at 45 m/s.
+
+    Writes time series (HDF5), the main channels (CSV), summary.json, scenario.json and figures, and prints the steady
+    values of the wheelsets over the last metres.
+
+    \b
+    Examples:
+      railcli run scenario
+      railcli run scenario curve-300 -o tight-curve
+      railcli run scenario my-curve.toml --speed 30
+    """
+    from railcli.files.scenario import builtin_scenarios, load, varied
+
+    if only_list:
+        scenarios = builtin_scenarios()
+        width = max(len(name) for name in scenarios)
+        for name, title in scenarios.items():
+            click.echo(f"{name.ljust(width)}  {title}")
+        return
+    changes = {"speed_m_per_s": ("run", speed), "step_ms": ("run", step), "friction": ("contact", friction)}
+    case = load(scenario or DEFAULT_SCENARIO)
+    for key, (group, value) in changes.items():
+        if value is not None:
+            case = varied(case, group, key, value)
+    record, lines, fault = _run(case, not no_figures, output, overwrite, quiet)
+    if output_format == "json":
+        from railcli.files.output import json_text
+
+        click.echo(json_text(record))
+    else:
+        click.echo("\n".join(lines))
+    if fault:
+        from railcli.errors import SimulationError
+
+        raise SimulationError(f"{case.name}: {fault}; what was computed is in {record['folder']}")
+
+
+def _run(case, with_figures, output, overwrite, quiet):
+    from railcli.analysis import steady_values
+    from railcli.analysis.simulate import SteadyWindow, simulate
+    from railcli.analysis.warm import warm
+    from railcli.files import results
+    from railcli.files.output import results_folder, write_json
+    from railcli.files.progress import Progress
+    from railcli.files.provenance import provenance
+    from railcli.files.tables import tables_for
+    from railcli.model.system import assemble
+    from railcli.report import run as report
+
+    def announce(text):
+        if not quiet:
+            click.echo(text, err=True)
+
+    with results_folder("run", case.name, output, overwrite) as folder:
+        warm(announce)
+        tables = tables_for(case, quiet, announce)
+        system = assemble(case, tables)
+        window = SteadyWindow(case.distance - case.average_over)
+        write_json(folder / "scenario.json", case.as_dict())
+        with results.TimeSeries(folder / results.TIME_SERIES, system) as series:
+            with Progress("Run", case.duration, "s", quiet) as progress:
+
+                def sink(rows):
+                    series(rows)
+                    window(rows)
+
+                outcome = simulate(
+                    case, system, sink, lambda time, factor: progress.update(time, f"{factor:.0f} x real time")
+                )
+        stretch = steady_values.final_stretch(case)
+        steady = None
+        if stretch is not None and window.count and not outcome.fault:
+            steady = (
+                steady_values.means(system, stretch, window),
+                steady_values.peaks_to_peaks(system, stretch, window),
+                steady_values.solved(system, stretch),
+                steady_values.expected_forces(case, stretch),
+            )
+        files = ["scenario.json"]
+        if outcome.rows:
+            main = results.main_channels(folder / results.TIME_SERIES)
+            results.write_main_channels(main, folder / results.MAIN_CHANNELS)
+            files += [results.TIME_SERIES, results.MAIN_CHANNELS]
+            if with_figures:
+                files += report.figures(case, main, folder)
+        record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
+        record["folder"] = folder
+        write_json(folder / "summary.json", record)
+    lines = [*report.report(case, outcome, stretch, steady), "", f"Written to {folder}: {', '.join(files)}, summary.json"]
+    return record, lines, outcome.fault

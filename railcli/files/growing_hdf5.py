@@ -54,6 +54,12 @@ class Granted:
     def tell(self):
         return self._place
 
+    def read(self, size=-1):
+        self._file.seek(self._place)
+        data = self._file.read(size)
+        self._place += len(data)
+        return data
+
     def readinto(self, buffer):
         self._file.seek(self._place)
         count = self._file.readinto(buffer)

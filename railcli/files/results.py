@@ -158,8 +158,11 @@ class TimeSeries:
             for channel, (key, units, description) in PATCH_CHANNELS.items():
                 dataset = _dataset(file, f"{group}/contact/{channel}", (MAX_CONTACT,), units, description)
                 absent = 0.0 if key in FORCES_OF_A_PATCH else np.nan
-                yield dataset, lambda rows, w=w, key=key, absent=absent: np.where(
-                    rows.contact["depth"][:, w] > 0.0, rows.contact[key][:, w], absent
+                yield (
+                    dataset,
+                    lambda rows, w=w, key=key, absent=absent: np.where(
+                        rows.contact["depth"][:, w] > 0.0, rows.contact[key][:, w], absent
+                    ),
                 )
 
 

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from railcli.errors import InputError
 from railcli.model.checks import hint
 from railcli.model.scenario import Scenario
@@ -47,6 +49,34 @@ def load(scenario=DEFAULT_SCENARIO):
         known = builtin_scenarios()
         raise InputError(scenario, f"no built-in scenario and not a .toml file; {hint(str(scenario), known)}")
     return _load_file(path)
+
+
+def varied(scenario, group, key, value):
+    """The scenario with one value of a group replaced, as an option of a command gives it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    group, key : str
+        Such as ``run`` and ``speed_m_per_s``.
+    value : float
+        In the unit that the key names.
+
+    Raises
+    ------
+    InputError
+        The value is not allowed, alone or with the others.
+    """
+    stem, unit = toml.split_unit(key)
+    si = value * unit.times / unit.over if unit else value
+    name = f"{stem}_{unit.si}" if unit else stem
+    fields = type(getattr(scenario, group)).model_fields
+    field = next(field for field in fields if name in (field, fields[field].alias))
+    try:
+        return scenario.varied(**{group: {field: si}})
+    except ValidationError as error:
+        problem = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
+        raise InputError(f"{group}.{key}", f"{problem[0].lower()}{problem[1:]}; got {value:g}") from None
 
 
 def load_vehicle(vehicle, folder=None):

@@ -1,0 +1,343 @@
+"""Profile files of any kind to the canonical form, with an account of all that was decided and changed."""
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from railcli import __version__
+from railcli.errors import InputError
+from railcli.model.curation import Curation
+from railcli.model.profile import Profile
+from railcli.model.smoothing import change, resample, smooth
+
+from .alignment import Decision, align, find_kind
+from .formats import read_points
+from .output import write_json, write_text
+from .profiles import BUNDLED, check_angle, check_curve, load_profile
+
+ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
+ROUGH = 5e-6  # rms from which smoothing is advised [m]
+RAIL_REACH = 0.010  # running surface to both sides of the top that a table needs [m]
+WHEEL_REACH = (-0.035, 0.020)  # running surface that a table needs: flange root and tread [m]
+GAP = 3e-3  # between neighbouring points, from which the report warns [m]
+LEAN = np.radians(0.5)  # of the head, from which the report warns that it may be inclined already
+LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
+
+
+@dataclass(frozen=True)
+class ImportSettings:
+    """What a user may decide; lengths in m.
+
+    Attributes
+    ----------
+    kind, units : str or None
+    mirror_y, mirror_z : "auto", "yes" or "no"
+    shift_y : float
+        Moves a wheel to the field side after its origin was found.
+    smooth : float or None
+        Cut-off wavelength.
+    resample : float or None
+        Distance of points.
+    """
+
+    kind: str | None = None
+    units: str | None = None
+    mirror_y: str = "auto"
+    mirror_z: str = "auto"
+    shift_y: float = 0.0
+    smooth: float | None = None
+    resample: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """A profile in the canonical form.
+
+    Attributes
+    ----------
+    profile : Profile
+    raw : Profile
+        Before smoothing and resampling.
+    account : dict
+        What was found, decided and changed, and `unfit`: reasons why no contact table can be built; for machines.
+    """
+
+    profile: Profile
+    raw: Profile = field(repr=False)
+    account: dict = field(repr=False)
+
+
+def import_profile(path, settings):
+    """Read a file and `convert` it."""
+    return convert(read_points(path), settings)
+
+
+def convert(measured, settings):
+    """The canonical profile of a file's points.
+
+    Parameters
+    ----------
+    measured : Measured
+    settings : ImportSettings
+
+    Returns
+    -------
+    Imported
+
+    Raises
+    ------
+    InputError
+        The points cannot be made into a profile.
+    """
+    path = measured.path
+    kind = find_kind(measured, settings.kind)
+    aligned = align(measured, kind.choice, settings.units, settings.mirror_y, settings.mirror_z)
+    decisions = [kind, *aligned.decisions]
+    y = aligned.y
+    if settings.shift_y:
+        if kind.choice == "rail":
+            raise InputError("--shift-y", "is for wheels; a rail's origin is its highest point")
+        y = y + settings.shift_y
+        decisions.append(Decision("shift y", f"{settings.shift_y * 1e3:g} mm", "given"))
+    curation = Curation(path, kind.choice, y, aligned.z, aligned.lines).run()
+    raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z)
+    raw = raw.translated(*_to_origin(path, raw))
+    _as_source(measured, raw, curation.lines)
+    corners = curation.kinks()
+    profile, smoothing, resampling = raw, None, None
+    if settings.smooth:
+        profile = smooth(path.stem, kind.choice, raw.y, raw.z, settings.smooth, corners)
+        smoothing = {"cutoff_mm": settings.smooth * 1e3, "largest_change": change(raw, profile)}
+    if settings.resample:
+        before = profile
+        profile = resample(profile, settings.resample)
+        spacing = profile.arc[-1] / (profile.arc.size - 1)
+        resampling = {"distance_mm": spacing * 1e3, "points": profile.y.size, "position_mm": _distance(before, profile)}
+    if smoothing or resampling:
+        move = _to_origin(path, profile)
+        raw, profile = raw.translated(*move), profile.translated(*move)
+        check_curve(path, kind.choice, profile.y * 1e3, profile.z * 1e3, np.arange(profile.y.size))
+    account = {
+        "file": str(path),
+        "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "format": measured.source,
+        "kind": kind.choice,
+        "points_read": int(measured.y.size),
+        "points": int(profile.y.size),
+        "notes": list(measured.notes),
+        "decisions": [decision._asdict() for decision in decisions],
+        "faults": [fault.as_dict() for fault in curation.faults.values()],
+        "kinks": _places(raw, corners),
+        "smoothing": smoothing,
+        "resampling": resampling,
+        "dimensions": dimensions(profile),
+        "advice": _advice(profile, raw, corners, settings),
+        "unfit": unfit(profile),
+        "railcli": __version__,
+    }
+    return Imported(profile, raw, account)
+
+
+def readable(path, settings):
+    """Raise an InputError unless the file holds points and it is clear of what; its shape is not looked at."""
+    find_kind(read_points(path), settings.kind)
+
+
+def is_bundled(name):
+    """True for the name of a bundled profile, upper or lower case."""
+    return str(name).lower() in map(str.lower, BUNDLED)
+
+
+def open_profile(name_or_path, settings):
+    """A bundled profile by name, or the converted one of a file."""
+    if not is_bundled(name_or_path):
+        return import_profile(Path(name_or_path), settings)
+    name = next(name for name in BUNDLED if name.lower() == str(name_or_path).lower())
+    profile = load_profile(name, BUNDLED[name][0])
+    account = {
+        "file": name,
+        "format": "bundled",
+        "kind": profile.kind,
+        "points": int(profile.y.size),
+        "dimensions": dimensions(profile),
+        "advice": [],
+        "unfit": unfit(profile),
+    }
+    return Imported(profile, profile, account)
+
+
+def stands_as_it_is(path, kind):
+    """True if a table can be built from the file without import."""
+    try:
+        load_profile(path, kind)
+    except InputError:
+        return False
+    return True
+
+
+def dimensions(profile):
+    """Main dimensions [mm, degrees]; those that the profile does not have are missing."""
+    found = {"y_mm": _ends(profile.y), "z_mm": _ends(profile.z)}
+    if profile.kind == "wheel":
+        try:
+            flange = profile.flange_dimensions()
+        except InputError:
+            return found
+        names = {"height": "flange_height_mm", "thickness": "flange_thickness_mm", "qr": "qr_mm", "width": "width_mm"}
+        return found | {name: getattr(flange, key) * 1e3 for key, name in names.items()}
+    found["head_width_mm"] = float(np.ptp(profile.y)) * 1e3
+    found["lean_degrees"] = float(np.degrees(_lean(profile)))
+    try:
+        found["gauge_point_y_mm"] = profile.gauge_point()[0] * 1e3
+    except InputError:
+        pass
+    return found
+
+
+def unfit(profile):
+    """Reasons, one line each, why no contact table can be built from a profile; empty: it is fit."""
+    try:
+        start, step, graph = profile.graph()
+        end = start + step * (len(graph) - 1)
+        profile.gauge_point() if profile.kind == "rail" else profile.flange_dimensions()
+    except InputError as error:
+        return [str(error)]
+    if profile.kind == "rail":
+        top = start + step * int(np.argmin(graph[:, 0]))
+        low, high = top - RAIL_REACH, top + RAIL_REACH
+    else:
+        low, high = WHEEL_REACH
+    if start > low or end < high:
+        return [
+            f"{profile.name}: the running surface, without a slope over 80 degrees, is y = {start * 1e3:.4g} to "
+            f"{end * 1e3:.4g} mm; at least {low * 1e3:.4g} to {high * 1e3:.4g} mm is needed: smooth a rough profile"
+        ]
+    return []
+
+
+def canonical_text(imported, settings):
+    """The canonical file: comments that say where it is from, then y_mm, z_mm, angle_rad.
+
+    The angles are left out where points are so rough that a reader would doubt them; it finds the same ones.
+    """
+    account, profile = imported.account, imported.profile
+    origin = (
+        "the highest point of the head" if profile.kind == "rail" else "the tape circle, 70 mm from the flange back"
+    )
+    smoothed = f"cut-off wavelength {settings.smooth * 1e3:g} mm" if settings.smooth else "none"
+    head = [
+        f"# name: {profile.name}",
+        f"# kind: {profile.kind}",
+        f"# axes: right-hand {profile.kind}, y to the field side, z down, origin at {origin}",
+        f"# source: {Path(account['file']).name}, {account['format']}, SHA-256 {account['sha256']}",
+        f"# smoothing: {smoothed}",
+        f"# written by railcli {account['railcli']} profile import",
+    ]
+    head = ["".join(character if character.isprintable() else "?" for character in line) for line in head]
+    rows = zip(profile.y * 1e3, profile.z * 1e3, profile.angle, strict=True)
+    if _tangents_follow(profile):
+        rows = [f"{y:.9f},{z:.9f},{angle:.12f}" for y, z, angle in rows]
+        return "\n".join([*head, "y_mm,z_mm,angle_rad", *rows]) + "\n"
+    return "\n".join([*head, "y_mm,z_mm", *(f"{y:.9f},{z:.9f}" for y, z, _ in rows)]) + "\n"
+
+
+def write(imported, settings, place, report):
+    """Write the canonical file at `place` and the account beside it, as JSON and as the text `report`."""
+    write_text(place, canonical_text(imported, settings))
+    write_json(beside(place, "json"), imported.account)
+    write_text(beside(place, "txt"), report)
+
+
+def beside(place, ending):
+    """Where the account of the canonical file at `place` goes."""
+    return place.with_name(f"{place.stem}.curation.{ending}")
+
+
+def _tangents_follow(profile):
+    try:
+        check_angle(profile.name, profile.y, profile.z, profile.angle, np.arange(profile.y.size))
+    except InputError:
+        return False
+    return True
+
+
+def _as_source(measured, profile, lines):
+    """Check the repaired points as those of a canonical file, with the lines of their source."""
+    known = np.where(lines > 0, lines, lines.max())
+    check_curve(measured.path, profile.kind, profile.y * 1e3, profile.z * 1e3, known)
+
+
+def _to_origin(path, profile):
+    """How far to move a profile [m] so that a rail's highest point or a wheel's tape circle is the origin."""
+    if profile.kind == "rail":
+        top = int(np.argmin(profile.z))
+        y, z, *_ = profile.at(
+            np.linspace(profile.arc[max(top - 1, 0)], profile.arc[min(top + 1, profile.arc.size - 1)], 401)
+        )
+        return -y[np.argmin(z)], -z.min()
+    y = profile.y
+    if not y[0] < 0.0 < y[-1]:
+        raise InputError(path, "the profile does not reach the tape circle, y = 0")
+    before = int(np.flatnonzero((y[:-1] <= 0.0) & (y[1:] > 0.0))[-1])
+    sigma = np.interp(0.0, y[before : before + 2], profile.arc[before : before + 2])
+    for _ in range(4):
+        at_y, z, angle, _ = profile.at(sigma)
+        sigma = sigma - at_y / max(np.cos(angle), 0.1)
+    return 0.0, -float(z)
+
+
+def _distance(before, after):
+    """Largest distance of the nodes of one profile from the curve of another, across it [mm]."""
+    sigma = before.arc * (after.arc[-1] / before.arc[-1])
+    y, z, angle, _ = after.at(sigma)
+    for _ in range(3):
+        along = (before.y - y) * np.cos(angle) + (before.z - z) * np.sin(angle)
+        sigma = np.clip(sigma + along, 0.0, after.arc[-1])
+        y, z, angle, _ = after.at(sigma)
+    across = (before.z - z) * np.cos(angle) - (before.y - y) * np.sin(angle)
+    return float(np.abs(across).max()) * 1e3
+
+
+def _places(profile, index):
+    turn = np.degrees(np.diff(np.unwrap(np.arctan2(np.diff(profile.z), np.diff(profile.y)))))
+    return [
+        {"y_mm": float(profile.y[i]) * 1e3, "z_mm": float(profile.z[i]) * 1e3, "turn_degrees": float(turn[i - 1])}
+        for i in index
+    ]
+
+
+def _ends(values):
+    return [float(values.min()) * 1e3, float(values.max()) * 1e3]
+
+
+def _lean(profile):
+    """Angle of a head's middle from the horizontal [rad], positive when it leans inwards (gauge side down)."""
+    middle = (profile.y.min() + profile.y.max()) / 2.0
+    low, high = np.interp([middle - LEAN_REACH, middle + LEAN_REACH], np.maximum.accumulate(profile.y), profile.z)
+    return np.arctan2(low - high, 2.0 * LEAN_REACH)
+
+
+def _advice(profile, raw, corners, settings):
+    """What a user should know before a table is built."""
+    advice = []
+    if profile.kind == "rail" and abs(lean := _lean(profile)) > LEAN:
+        advice.append(
+            f"the middle of the head leans by {abs(np.degrees(lean)):.2f} degrees to the "
+            f"{'gauge' if lean > 0 else 'field'} side: if it was measured in the track, it has its inclination "
+            "already; build the table with --inclination 0"
+        )
+    wide = float(np.hypot(np.diff(raw.y), np.diff(raw.z)).max())
+    if wide > GAP:
+        advice.append(f"neighbouring points are up to {wide * 1e3:.2g} mm apart; what lies between is interpolated")
+    smoothed = smooth(raw.name, raw.kind, profile.y, profile.z, ROUGH_CUTOFF, () if settings.resample else corners)
+    across = (smoothed.z - profile.z) * np.cos(smoothed.angle) - (smoothed.y - profile.y) * np.sin(smoothed.angle)
+    running = np.abs(np.tan(smoothed.angle)) < 1.0
+    rough = float(np.sqrt(np.mean(across[running] ** 2))) if running.any() else 0.0
+    if rough > ROUGH:
+        advice.append(
+            f"rough: {rough * 1e6:.3g} micrometres rms at wavelengths below {ROUGH_CUTOFF * 1e3:g} mm, which contact "
+            "sees as curvature: consider --smooth 4 or more"
+        )
+    return advice

@@ -1,0 +1,201 @@
+"""A run for people: the steady values of its end as text, time series as figures."""
+
+import numpy as np
+
+from .figures import GREY, SERIES, draw
+from .text import columns, facts
+
+FIGURES = ("wheelsets", "wheel_loads", "lateral_forces", "accelerations")
+DIFFERENCE = 1e-5  # between the end of a run and Newton's steady motion that is worth a warning [m]
+
+
+def _sides(stretch):
+    return ("right", "left") if stretch.curvature == 0.0 else ("outer", "inner")
+
+
+def steady_text(stretch, mean, swing, newton):
+    """Table of the wheelsets: mean and peak-to-peak over the end of the run, and Newton's steady motion.
+
+    Parameters
+    ----------
+    stretch : Stretch
+    mean, swing : SteadyValues
+    newton : SteadyValues or None
+    """
+    one, other = _sides(stretch)
+    forces = [f"{force} {side}" for force in "QY" for side in (one, other)]
+    header = ("", "y mean", "p-p", "Newton", "yaw", "p-p", *forces)
+    rows = [("", "mm", "mm", "mm", "mrad", "mrad", *["kN"] * 4)]
+    for k in range(mean.lateral.size):
+        forces = [*mean.q_force[k], *mean.y_force[k]]
+        rows.append(
+            (
+                f"W{k + 1}",
+                f"{mean.lateral[k] * 1e3:.3f}",
+                f"{swing.lateral[k] * 1e3:.3f}",
+                f"{newton.lateral[k] * 1e3:.3f}" if newton else "none",
+                f"{mean.yaw[k] * 1e3:.3f}",
+                f"{swing.yaw[k] * 1e3:.3f}",
+                *(f"{force * 1e-3:.2f}" for force in forces),
+            )
+        )
+    return columns(rows, header)
+
+
+def settled(mean, newton):
+    """A warning when the end of the run is not the steady motion; empty when it is."""
+    if newton is None:
+        return "Newton's method finds no steady motion there: the run may not be steady."
+    gap = np.abs(mean.lateral - newton.lateral).max()
+    if gap > DIFFERENCE:
+        return (
+            f"The mean of the run differs by up to {gap * 1e3:.3f} mm from the steady motion that Newton finds: it has "
+            "not settled, or it oscillates."
+        )
+    return ""
+
+
+def report(scenario, outcome, stretch, steady):
+    """Lines for the terminal.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    outcome : Outcome
+    stretch : Stretch or None
+    steady : tuple or None
+        Mean, swing, Newton's motion, and the expected sums of Y and Q [N].
+    """
+    reached = f"{outcome.distance:.1f} m, {outcome.time:.2f} s"
+    lines = [f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name]
+    lines += facts(
+        [
+            ("reached", reached),
+            ("speed", f"{scenario.run.speed:g} m/s, step {scenario.run.step * 1e3:g} ms"),
+            ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
+        ]
+    )
+    if stretch is None:
+        return [*lines, "", "The run does not end in one straight or curve: no steady values."]
+    if steady is None:
+        return lines
+    mean, swing, newton, expected = steady
+    place = "to the right" if stretch.curvature == 0.0 else "towards the outer rail"
+    title = f"Steady values over the last {scenario.average_over:g} m ({stretch.kind}); lateral values {place}"
+    lines += ["", title, *steady_text(stretch, mean, swing, newton)]
+    lines.append(
+        f"  Forces on the rails: sum Y {mean.y_force.sum() * 1e-3:.2f} kN (balance {expected[0] * 1e-3:.2f}), "
+        f"sum Q {mean.q_force.sum() * 1e-3:.2f} kN (balance {expected[1] * 1e-3:.2f})"
+    )
+    warning = settled(mean, newton)
+    return [*lines, f"  {warning}"] if warning else lines
+
+
+def figures(scenario, main, folder):
+    """Draw the time series over the distance; returns the names of the files."""
+    painters = {
+        "wheelsets": _wheelsets,
+        "wheel_loads": lambda axes, main: _forces(axes, main, main.q_force, "Q"),
+        "lateral_forces": lambda axes, main: _forces(axes, main, main.y_force, "Y"),
+        "accelerations": _accelerations,
+    }
+    names = []
+    for name, painter in painters.items():
+        names.append(f"{name}.png")
+        draw(lambda figure, painter=painter: _panels(figure, painter, scenario, main), folder / names[-1], (9.0, 5.6))
+    return names
+
+
+def _panels(figure, painter, scenario, main):
+    strip, *axes = figure.subplots(3, 1, sharex=True, height_ratios=(0.7, 2.0, 2.0))
+    _track(strip, scenario, main)
+    painter(axes, main)
+    axes[-1].set_xlabel("arc length of the first body [m]")
+    for axis in axes:
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def _track(axis, scenario, main):
+    """Curvature and cant over the distance: what the vehicle meets."""
+    ends, curvature, cant, start = [], [], [], 0.0
+    for section in scenario.track.sections:
+        if section.kind != "transition":
+            ends += [start, start + section.length]
+            curvature += [section.curvature] * 2
+            cant += [section.signed_cant] * 2
+        start += section.length
+    axis.plot(ends, 1e3 * np.array(curvature), color=GREY)
+    axis.set_ylabel("curvature\n[1/km]")
+    axis.set_title(f"{scenario.name}, {scenario.run.speed:g} m/s; positive: to the right")
+    right = axis.twinx()
+    right.plot(ends, 1e3 * np.array(cant), color=SERIES[3], linestyle="--")
+    right.set_ylabel("cant [mm]", color=SERIES[3])
+    right.grid(False)
+    if main.distance.size:
+        axis.set_xlim(0.0, main.distance[-1])
+
+
+def _wheelsets(axes, main):
+    for k in range(main.lateral.shape[1]):
+        axes[0].plot(main.distance, 1e3 * main.lateral[:, k], color=SERIES[k % len(SERIES)], label=f"W{k + 1}")
+        axes[1].plot(main.distance, 1e3 * main.yaw[:, k], color=SERIES[k % len(SERIES)], label=f"W{k + 1}")
+    axes[0].set_ylabel("lateral displacement [mm]")
+    axes[1].set_ylabel("yaw [mrad]")
+
+
+def _forces(axes, main, force, name):
+    for side, axis in enumerate(axes):
+        for k in range(force.shape[1] // 2):
+            axis.plot(main.distance, 1e-3 * force[:, 2 * k + side], color=SERIES[k % len(SERIES)], label=f"W{k + 1}")
+        axis.set_ylabel(f"{name} {('right', 'left')[side]} [kN]")
+
+
+def _accelerations(axes, main):
+    for i, body in enumerate(main.sprung):
+        for axis, direction in zip(axes, (1, 2), strict=True):
+            axis.plot(main.distance, main.acceleration[:, i, direction], color=SERIES[i % len(SERIES)], label=body)
+    axes[0].set_ylabel("lateral acceleration [m/s$^2$]")
+    axes[1].set_ylabel("vertical acceleration [m/s$^2$]")
+
+
+def summary(scenario, outcome, stretch, steady, provenance, files):
+    """What summary.json holds; units in the names."""
+    record = {
+        "scenario": scenario.name,
+        "finished": not outcome.fault,
+        "fault": outcome.fault,
+        "time_s": outcome.time,
+        "distance_m": outcome.distance,
+        "rows": outcome.rows,
+        "cpu_s": outcome.cpu_s,
+        "real_time_factor": outcome.real_time_factor,
+        "files": files,
+        "provenance": provenance,
+    }
+    if steady is None:
+        return record
+    mean, swing, newton, expected = steady
+    record["steady"] = {
+        "stretch": stretch.kind,
+        "averaged_over_m": scenario.average_over,
+        "lateral_positive": "to the right" if stretch.curvature == 0.0 else "towards the outer rail",
+        "wheels": list(_sides(stretch)),
+        "mean": _values(mean),
+        "peak_to_peak": _values(swing),
+        "newton": _values(newton) if newton else None,
+        "sum_Y_kN": float(mean.y_force.sum() * 1e-3),
+        "expected_Y_kN": expected[0] * 1e-3,
+        "sum_Q_kN": float(mean.q_force.sum() * 1e-3),
+        "expected_Q_kN": expected[1] * 1e-3,
+        "warning": settled(mean, newton),
+    }
+    return record
+
+
+def _values(values):
+    return {
+        "lateral_mm": values.lateral * 1e3,
+        "yaw_mrad": values.yaw * 1e3,
+        "Y_kN": values.y_force * 1e-3,
+        "Q_kN": values.q_force * 1e-3,
+    }
