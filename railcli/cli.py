@@ -6,6 +6,8 @@ import click
 
 from railcli import __version__
 from railcli.commands.build_lut import build_lut
+from railcli.commands.conicity import conicity
+from railcli.commands.profile import profile
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
 from railcli.commands.validate import validate
@@ -76,5 +78,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (build_lut, run, rt_bench, validate):
+for _command in (profile, build_lut, conicity, run, rt_bench, validate):
     main.add_command(_command)

@@ -79,4 +79,53 @@ BOUNCE_ENERGY = 1e-3
 ENERGY_ORDER = 0.15
 FLIGHT = 1e-6  # [J] rounding of 4e5 J in a flight: measured 2e-10
 REBOUND = 1e-5
-RESTITUTION = 2e-3  # the closed form leaves out weight, 2 % of the greatest force
+RESTITUTION = 2e-3  # the tread is 1 : 40 steep, and the branch bends as the wheel sinks in
+
+# --- Equivalent conicity ---
+CONE = 1e-9  # [-, m] delta-r of a cone is exact; what remains is rounding and the search along the locus
+CONE_ROLLED = 2e-3  # relative: the closed form leaves out squares of the slope, 0.1 at most
+CIRCLE_PLACE = 2e-6  # [m] cubic graph with 0.05 mm steps through arcs
+CIRCLE_RADIUS = 2e-8  # [m] the place's error times a slope of at most 0.1
+CIRCLE_ANGLE = 2e-5  # [rad] the place's error over a radius of 0.1 m
+MIRROR_RADIUS = 1e-9  # [m] the search stops at 1e-9 m on the profile
+MIRROR_CONICITY = 1e-6
+MIRROR_CENTRE = 1e-9  # [m]
+DELTA_R_CHORD = 0.3e-6  # [m] delta-r runs straight within 0.1 micrometres between its positions
+ROLL = 1e-6  # [rad] the same chord over 1.5 m and a nearly straight roll
+WAVELENGTH = 3e-5  # a Runge-Kutta solver that meets corners and jumps of delta-r unprepared, steps of 20 mm
+TURNING_POINT = 1e-7  # [m] the same
+EN15302_CONICITY = 0.002  # demanded away from jumps; the tables have three decimals
+EN15302_DELTA_R = 0.8e-6  # [m] half a unit of the last digit, and sections that meet to 0.8 micrometres; measured 0.7
+EN15302_EDITIONS = 2e-6  # [m] noise of the digitised points
+EN15302_ROLL = 1.5e-6  # [m] known to 1 micrometre; measured 0.9
+
+# --- Import and curation of profiles ---
+IMPORTED_ROUNDING = 1e-9  # [m] canonical files have 9 decimals of mm; inches and metres in samples have 9 digits
+IMPORTED_WHEEL = 2.5e-7  # [m] Manchester wheel on the bundled one: 0.12 um of section C, and its own last digit
+INSTRUMENT_MM = 0.05  # Sd, Sh, qR of the instrument's own smoothing against unsmoothed points; measured 0.04
+LIP = 2e-5  # [m] tangents at the corner where a gauge face is continued bulge the last piece by some micrometres
+STITCHED = 0.03e-3  # [m] the mean of two points 0.1 mm apart on the same curve, off by its sagitta on the tightest arc
+CUTOFF_GAIN = 3e-3  # uneven spacing and the ends; measured 1.2e-3 (2.8e-3 at half the cut-off, 6 %)
+SHRINK = 2e-9  # [m] of an arc: (C / 2 pi R)^4 R is 183 nm for C = 5 mm, R = 13 mm; the next order is 1e-5 of it
+ROTATED_SMOOTHING = 1e-9  # [m] smoothing has no axes: rounding, and a band solver at weights that range over 1e3
+
+# --- Comparison with the published curve ---
+IDENTIFIED = 1e-5  # of friction: the search stops at 1e-6, twice the jackknife error at a few times that
+
+# `railcli run scenario`
+BALANCE_KN = 0.2  # sums of rail forces against mass times acceleration: what is left of the run-in at the end of a run
+
+# --- Contact geometry and its table ---
+SIMPLEX_PLACE = 1e-6  # [m] demanded; both end in the same Newton iteration, measured 5e-11
+SIMPLEX_GAP = 1e-9  # [m] demanded; measured 2e-16
+GRID_BARRIER = 2e-6  # [m] shallower minima drown in the coarse grid
+GRID_PLACE = 2e-5  # [m] D is flat: within 1e-9 m of the minimum over this length
+GRID_GAP = 1e-8  # [m] chords of 5 micrometres and a last grid of 0.3 by 6 micrometres on radii of 13 mm
+CIRCLE_GAP = 1e-9  # [m] cubic graph with 0.05 mm steps through arcs
+GAP_SLOPE = 2e-5  # [-, m/rad, m/rad^2] differences over 2e-6: rounding 1e-10; jumps of curvature within the step
+BALANCE_BY_HAND = 1.0  # [N] the last digit of a sum done by hand
+SETTLED_RUN_MM = 0.01  # after 250 m of curve a trailing wheelset at 45 m/s still swings by 0.01 mm
+HELD_IN_PLACE = 1.0  # [N] displacements in and out of mm, Newton stops at 1e-7 m/s^2 of 1.8 t; measured below
+FORCE_GRAIN = 2.0  # [N] of 1e5 N: rounding where the force hardly moves
+MIRROR = 1e-12  # relative: the same operations with other signs, in another order
+CREEP_SLOPE = 1e-3  # of the largest entry: the damping leaves out the change of |v|, gyroscopic moments and saturation's edge

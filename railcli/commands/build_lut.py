@@ -14,7 +14,7 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
     """Decorator for an option that sets one value of a table; the command gets it in SI, or None when it is absent."""
 
     def to_si(ctx, param, value):
-        return None if value is None else value / per_si
+        return None if value is None else kind(value / per_si)
 
     return click.option(option, type=kind, callback=to_si, metavar=unit, help=f"{text}  [default: {default}]")
 

@@ -63,3 +63,42 @@ def manchester(sensitivity, no_figures, output_format, output, overwrite, quiet)
     if not result.accepted:
         missed = [row[0] for row in result.rows if row[5] and not row[4]]
         raise CheckError(f"validate manchester: rejected ({'; '.join(missed)})")
+
+
+@validate.command(short_help="Equivalent conicity against the tables of EN 15302.")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@results_options
+def conicity(no_figures, output_format, output, overwrite, quiet):
+    """Compare equivalent conicity with the reference wheels A and H on rail A of EN 15302, and with cones.
+
+    Prints conicity beside the tables of both editions, criteria and the verdict, and writes validation.json, .csv and a
+    figure. Exit code 0: accepted, 4: not.
+
+    Example: railcli validate conicity -o my-validation
+    """
+    from railcli.analysis.conicity_check import compare_conicity
+    from railcli.errors import CheckError
+    from railcli.files.conicity_reference import conicity_criteria, reference_profiles, reference_tables
+    from railcli.files.output import json_text, results_folder, write_json, write_text
+    from railcli.files.progress import Progress
+    from railcli.report import conicity as report
+
+    with results_folder("validate", "conicity", output, overwrite) as folder:
+        with Progress("Validate", 100, "%", quiet) as progress:
+            result = compare_conicity(
+                reference_profiles(), reference_profiles(digitised=True), reference_tables(), conicity_criteria(),
+                lambda share: progress.update(round(100 * share)),
+            )  # fmt: skip
+        record = report.validation_json(result)
+        write_json(folder / "validation.json", record)
+        write_text(folder / "validation.csv", report.validation_csv(result))
+        if not no_figures:
+            report.validation_plot(result, folder / "conicity.png")
+    if output_format == "json":
+        click.echo(json_text(record))
+    else:
+        click.echo("\n".join(report.validation_lines(result)))
+        click.echo(f"Written to {folder}")
+    if not result.accepted:
+        missed = [row.name for row in result.rows if row.counts and not row.kept]
+        raise CheckError(f"validate conicity: rejected ({'; '.join(missed)})")

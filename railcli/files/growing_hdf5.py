@@ -113,8 +113,8 @@ class GrowingHdf5:
         OSError
             There is no room: nothing was written, and the file is as it was.
         """
-        self._granted.grant(count + RESERVE)
         with uninterrupted():
+            self._granted.grant(count + RESERVE)
             yield
             self.file.flush()
 

@@ -16,6 +16,8 @@ import numpy as np
 
 from railcli.errors import InputError
 from railcli.files.resources import resource
+from railcli.model.polyline import meeting as _meeting
+from railcli.model.polyline import turns
 from railcli.model.profile import Profile
 
 BUNDLED = {
@@ -37,7 +39,6 @@ ANGLE_OFF = 0.5  # tangent angle against the chords on both sides [rad]
 UNITS = {"mm": 1.0, "inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 0.001}  # in mm
 COLUMNS = {"y_mm": ("y", 1.0), "z_mm": ("z", 1.0), "y_m": ("y", 1e3), "z_m": ("z", 1e3), "angle_rad": ("angle", 1.0)}
 WITHOUT_HEADER = ("y_mm", "z_mm", "angle_rad")
-PAIRS_AT_ONCE = 1_000_000
 
 
 def load_profile(name_or_path, kind):
@@ -63,6 +64,26 @@ def load_profile(name_or_path, kind):
     return _read(resource(BUNDLED[name][1]), name, kind)
 
 
+def check_curve(path, kind, y, z, lines, unit_mm=1.0):
+    """Raise an InputError unless the points are those of a rail or wheel in the canonical form.
+
+    Parameters
+    ----------
+    path : path-like
+        Named in the message, with the line of the point at fault.
+    kind : "rail" or "wheel"
+    y, z : array (n,)
+        Points from the gauge side to the field side [mm].
+    lines : array (n,)
+        Line number of each point.
+    unit_mm : float
+        Unit of the file's numbers [mm].
+    """
+    _check_width(path, kind, y, unit_mm)
+    _check_course(path, y, z, lines)
+    {"rail": _check_rail, "wheel": _check_wheel}[kind](path, y, z)
+
+
 def _choices(kind):
     return ", ".join(name for name, (of, _) in BUNDLED.items() if of == kind) + " or a file"
 
@@ -74,11 +95,9 @@ def _read(path, name, kind):
     if y[-1] < y[0]:
         y, z, lines = y[::-1], z[::-1], lines[::-1]
         angle = None if angle is None else np.remainder(angle[::-1], 2.0 * math.pi) - math.pi
-    _check_width(path, kind, y, table["unit_mm"])
-    _check_course(path, y, z, lines)
-    {"rail": _check_rail, "wheel": _check_wheel}[kind](path, y, z)
+    check_curve(path, kind, y, z, lines, table["unit_mm"])
     if angle is not None:
-        _check_angle(path, y, z, angle, lines)
+        check_angle(path, y, z, angle, lines)
     return Profile.from_points(name, kind, y / 1e3, z / 1e3, angle)
 
 
@@ -91,18 +110,31 @@ def _text(path, kind):
             near = difflib.get_close_matches(path.name.lower(), known, n=1)
             hint = f"did you mean {known[near[0]]}?" if near else f"give {_choices(kind)}"
             raise InputError(path, f"there is no such file or bundled {kind} profile; {hint}")
+    except OSError as error:
+        raise unreadable(path, error) from error
+    return plain_text(path, f"give {_choices(kind)}")
+
+
+def plain_text(path, advice="give a text file"):
+    """The text of a regular file of at most 10 MB without bytes that no text has; else an InputError."""
+    try:
         if not path.is_file():
-            raise InputError(path, f"this is not a regular file; give {_choices(kind)}")
+            raise InputError(path, f"this is not a regular file; {advice}")
         size = path.stat().st_size
         if size > LARGEST_FILE_MB * 1e6:
             raise InputError(path, f"{size / 1e6:.1f} MB; a profile file may have at most {LARGEST_FILE_MB} MB")
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from error
+        raise unreadable(path, error) from error
     strange = set(data) & (set(range(32)) - set(b"\t\n\r\f"))
     if strange:
         raise InputError(path, f"this is a binary file (it contains byte {min(strange)}); a text file is needed")
     return data.decode("utf-8-sig", errors="replace")
+
+
+def unreadable(path, error):
+    """The InputError for a file that the system does not let us read."""
+    return InputError(path, f"cannot be read: {error.strerror or error}")
 
 
 def _table(text, path):
@@ -195,8 +227,7 @@ def _check_course(path, y, z, lines):
             f"y goes back from {furthest[i]:.4g} to {y[i]:.4g} mm; points must follow the curve from one side to the "
             "other: sort them, and cut off what lies below the sides",
         )
-    direction = np.arctan2(dz, dy)
-    turn = np.abs(np.remainder(np.diff(direction) + math.pi, 2.0 * math.pi) - math.pi)
+    turn = np.abs(turns(y, z))
     sharp = np.flatnonzero(turn > SHARPEST_TURN)
     if sharp.size:
         i = sharp[0]
@@ -214,37 +245,6 @@ def _check_course(path, y, z, lines):
             f"{path}, line {lines[j]}",
             f"the curve crosses itself: this part meets the part at line {lines[i]}; points must follow the curve",
         )
-
-
-def _meeting(y, z):
-    """Two segments of the polyline that meet without being neighbours, or None."""
-    order = np.argsort(np.minimum(y[:-1], y[1:]), kind="stable")
-    low, high = np.minimum(y[:-1], y[1:])[order], np.maximum(y[:-1], y[1:])[order]
-    count = np.searchsorted(low, high, side="right") - np.arange(low.size) - 1
-    total = np.cumsum(count)
-    start = 0
-    while start < count.size:
-        stop = max(start + 1, int(np.searchsorted(total, total[start] + PAIRS_AT_ONCE)))
-        first = np.repeat(np.arange(start, stop), count[start:stop])
-        offset = np.arange(first.size) - np.repeat(np.cumsum(count[start:stop]) - count[start:stop], count[start:stop])
-        i, j = order[first], order[first + 1 + offset]
-        i, j = i[np.abs(i - j) > 1], j[np.abs(i - j) > 1]
-        overlap = np.minimum(np.maximum(z[i], z[i + 1]), np.maximum(z[j], z[j + 1])) >= np.maximum(
-            np.minimum(z[i], z[i + 1]), np.minimum(z[j], z[j + 1])
-        )
-        i, j = i[overlap], j[overlap]
-        apart = (_side(y, z, i, j) * _side(y, z, i, j + 1) > 0.0) | (_side(y, z, j, i) * _side(y, z, j, i + 1) > 0.0)
-        if not apart.all():
-            k = int(np.argmin(apart))
-            return int(i[k]), int(j[k])
-        start = stop
-    return None
-
-
-def _side(y, z, segment, point):
-    """Sign says on which side of a segment's line a point lies."""
-    along_y, along_z = y[segment + 1] - y[segment], z[segment + 1] - z[segment]
-    return np.sign(along_y * (z[point] - z[segment]) - along_z * (y[point] - y[segment]))
 
 
 def _check_rail(path, y, z):
@@ -297,7 +297,8 @@ def _check_wheel(path, y, z):
         )
 
 
-def _check_angle(path, y, z, angle, lines):
+def check_angle(path, y, z, angle, lines):
+    """Raise an InputError unless tangent angles [rad] follow the chords to the neighbours."""
     direction = np.arctan2(np.diff(z), np.diff(y))
     off = np.zeros(angle.size)
     for nodes in (slice(None, -1), slice(1, None)):

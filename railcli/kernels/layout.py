@@ -13,7 +13,7 @@ from numba import types
 
 from .jit import constant, mutable
 
-MAX_CONTACT = 4  # contact patches kept per wheel
+MAX_CONTACT = 6  # contact patches kept per wheel: four branches, and more where they end within a cell
 CURVE_KNOTS = 32
 NODE_CHANNELS = 16
 PATH_ORDER = 8

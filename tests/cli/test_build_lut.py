@@ -1,0 +1,138 @@
+"""`railcli build-lut` as a user sees it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from railcli.cli import main
+from railcli.files import tables
+
+ROOT = Path(__file__).parents[2]
+COARSE = ["--y-step", "0.5", "--roll-step", "5", "--yaw-count", "3", "--poses", "100", "-q"]
+
+
+def build(*arguments):
+    return CliRunner().invoke(main, ["build-lut", *map(str, arguments)], prog_name="railcli")
+
+
+@pytest.fixture(scope="module")
+def coarse(tmp_path_factory):
+    """A coarse table as the command writes it, and what it printed."""
+    path = tmp_path_factory.mktemp("build-lut") / "table.h5"
+    result = build(*COARSE, "-o", path, "--format", "json")
+    assert result.exit_code == 0, result.stderr
+    return path, json.loads(result.stdout)
+
+
+def test_prints_positions_time_size_and_certificate(coarse):
+    path, record = coarse
+    assert record["positions"] == 81 * 11 * 3
+    assert record["bytes"] == path.stat().st_size
+    assert record["cpu_s"] > 0.0
+    assert record["certificate"]["poses"] == 100
+    assert {"gap_um", "position_mm", "angle_mrad", "radius_um"} <= set(record["certificate"])
+
+
+def test_method_twins_give_one_table(coarse, tmp_path):
+    """Simplex and closed-form locus find the same number of contact points to one in two hundred."""
+    result = build(*COARSE, "--method", "locus", "-o", tmp_path / "twin.h5", "--format", "json")
+    assert json.loads(result.stdout)["nodes"] == pytest.approx(coarse[1]["nodes"], rel=0.005)
+
+
+def test_picture_is_drawn_beside_the_table(tmp_path):
+    result = build(*COARSE, "-o", tmp_path / "t.h5", "--plot")
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "t.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_check_finds_a_coarse_table_wanting(coarse):
+    """A table ten times coarser than the default is beyond the limits: exit 4, and the quantity is named."""
+    result = build("--check", coarse[0], "--poses", "1500", "-q")
+    assert result.exit_code == 4
+    assert "angle" in result.stderr or "radius" in result.stderr
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.999])
+def test_one_flipped_bit_is_found(coarse, tmp_path, share):
+    content = bytearray(coarse[0].read_bytes())
+    content[int(share * len(content))] ^= 1
+    bad = tmp_path / "bad.h5"
+    bad.write_bytes(content)
+    result = build("--check", bad)
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert str(bad) in line and "railcli build-lut" in line
+
+
+def test_truncated_foreign_and_missing_tables(coarse, tmp_path):
+    content = coarse[0].read_bytes()
+    for name, data in (("cut.h5", content[: len(content) // 2]), ("text.h5", b"y,z\n" * 40), ("empty.h5", b"")):
+        (tmp_path / name).write_bytes(data)
+    for name in ("cut.h5", "text.h5", "empty.h5", "none.h5"):
+        result = build("--check", tmp_path / name)
+        assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1, result.stderr
+
+
+def test_table_of_another_version(coarse, tmp_path, monkeypatch):
+    monkeypatch.setattr(tables, "VERSION", tables.VERSION + 1)
+    result = build("--check", coarse[0])
+    assert result.exit_code == 2 and "version" in result.stderr
+
+
+def test_table_for_other_profiles(coarse):
+    result = build("--check", coarse[0], "--rail", "60E1")
+    assert result.exit_code == 2 and "60E1" in result.stderr and "UIC60" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--gauge", "1300"], ["no wheelset fits", "1300"]),
+        (["--gauge", "100"], ["gauge", "0.5 ... 2"]),
+        (["--y-step", "0"], ["y_step"]),
+        (["--wheel", "nothere.csv"], ["nothere.csv"]),
+        (["--wheel", "UIC60"], ["UIC60"]),
+        (["--inclination", "2"], ["inclination"]),
+    ],
+)
+def test_geometry_that_cannot_be_built(tmp_path, arguments, words):
+    result = build(*COARSE, *arguments, "-o", tmp_path / "t.h5")
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert all(word in line for word in words), line
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_existing_file_is_spared(coarse, tmp_path):
+    path = tmp_path / "t.h5"
+    path.write_text("mine")
+    result = build(*COARSE, "-o", path)
+    assert result.exit_code == 2 and "--overwrite" in result.stderr
+    assert path.read_text() == "mine"
+
+
+def test_ctrl_c_leaves_nothing(tmp_path):
+    """Ctrl-C in a build: exit 130, no file under the name and none beside it."""
+    code = "from railcli.cli import main; main()"
+    arguments = ["build-lut", "-o", "t.h5", "--y-step", "0.01", "--roll-step", "0.5"]
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *arguments],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        time.sleep(6.0)
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=60)
+    assert process.returncode == 130, message
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,103 @@
+"""`railcli conicity` and `railcli validate conicity` from the outside."""
+
+import csv
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from railcli.cli import main
+
+QUICK = ["conicity", "-q", "--inclination", "40", "--amplitude", "2,3"]
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(item) for item in arguments], prog_name="railcli")
+
+
+def test_table_on_stdout_and_nothing_written(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run(*QUICK)
+    assert result.exit_code == 0, result.stderr
+    assert "inclination 1:40" in result.stdout and "0.180" in result.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_and_json_hold_the_same_numbers(tmp_path):
+    folder = tmp_path / "out"
+    result = run(*QUICK, "--format", "json", "--plot", "-o", folder)
+    assert result.exit_code == 0, result.stderr
+    printed, stored = json.loads(result.stdout), json.loads((folder / "conicity.json").read_text())
+    assert printed == stored
+    rows = list(csv.DictReader((folder / "conicity.csv").read_text().splitlines()))
+    assert [float(row["amplitude_mm"]) for row in rows] == [2.0, 3.0]
+    for row, item in zip(rows, printed["amplitudes"], strict=True):
+        assert abs(float(row["conicity"]) - item["conicity"]) < 1e-6
+    y = [float(row["y_mm"]) for row in csv.DictReader((folder / "functions.csv").read_text().splitlines())]
+    assert y == sorted(y) and y[0] == -3.0 and y[-1] == 3.0
+    assert (folder / "conicity.png").read_bytes().startswith(b"\x89PNG")
+    assert run(*QUICK, "-o", folder).exit_code == 2
+    assert run(*QUICK, "-o", folder, "--overwrite").exit_code == 0
+
+
+def test_beyond_the_flange_is_said():
+    result = run("conicity", "-q", "--amplitude", "5,8")
+    assert "beyond the flange" in next(line for line in result.stdout.splitlines() if line.startswith("  8 "))
+    assert "beyond" not in next(line for line in result.stdout.splitlines() if line.startswith("  5 "))
+
+
+def test_unlike_sides_and_range():
+    unlike = ["--left-rail", "60E1", "--left-radius", "459.9"]
+    result = run("conicity", "-q", *unlike, "--amplitude", "1-2:0.5", "--format", "json")
+    assert result.exit_code == 0, result.stderr
+    record = json.loads(result.stdout)
+    assert [item["amplitude_mm"] for item in record["amplitudes"]] == pytest.approx([1.0, 1.5, 2.0])
+    assert all(item["centre_mm"] != 0.0 for item in record["amplitudes"])
+
+
+@pytest.mark.parametrize(
+    "arguments, word",
+    [
+        (["--amplitude", "0-5"], "--amplitude"),
+        (["--amplitude", "5-1"], "--amplitude"),
+        (["--amplitude", "1-10:0"], "--amplitude"),
+        (["--amplitude", "1-2-3"], "--amplitude"),
+        (["--amplitude", "x"], "--amplitude"),
+        (["--amplitude", ""], "--amplitude"),
+        (["--curve", "-300"], "--curve"),
+        (["--curve", "nan"], "--curve"),
+        (["--left-radius", "4.6"], "--left-radius"),
+        (["--gauge", "nan"], "gauge"),
+        (["--wheel", "UIC60"], "UIC60"),
+        (["--rail", "nowhere.csv"], "nowhere.csv"),
+        (["--gauge", "1420"], "no wheelset fits"),
+    ],
+)
+def test_bad_input_is_one_line(arguments, word):
+    result = run("conicity", "-q", *arguments)
+    assert result.exit_code == 2, result.output
+    assert result.stdout == "" and word in result.stderr and "Traceback" not in result.stderr
+
+
+def test_validate_conicity(tmp_path):
+    folder = tmp_path / "v"
+    result = run("validate", "conicity", "-q", "-o", folder)
+    assert result.exit_code == 0, result.stderr
+    assert "Verdict: accepted" in result.stdout and "cone 1:20" in result.stdout
+    record = json.loads((folder / "validation.json").read_text())
+    assert record["verdict"] == "accepted"
+    assert {row["name"] for row in record["criteria"] if row["counts"] and not row["kept"]} == set()
+    assert (folder / "validation.csv").exists() and (folder / "conicity.png").exists()
+
+
+def test_validate_conicity_can_fail(tmp_path, monkeypatch):
+    """With a stricter limit the same comparison is rejected with exit code 4."""
+    from railcli.files import conicity_reference
+
+    strict = conicity_reference.conicity_criteria()
+    strict["conicity"]["away_from_jumps"] = 1e-6
+    monkeypatch.setattr(conicity_reference, "conicity_criteria", lambda: strict)
+    result = run("validate", "conicity", "-q", "--no-figures", "-o", tmp_path / "v")
+    assert result.exit_code == 4
+    assert "Verdict: rejected" in result.stdout and "rejected" in result.stderr
+    assert not (tmp_path / "v" / "conicity.png").exists()

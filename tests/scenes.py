@@ -1,0 +1,133 @@
+"""Small systems made of the product's own parts, for the tests of the physics."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from railcli.analysis.build_table import build_table
+from railcli.files.scenario import load
+from railcli.kernels.layout import BODY, ELEMENT, JOINT, WHEEL, freeze, new_data
+from railcli.kernels.step import advance, evaluate
+from railcli.model.contact_table import TableSettings
+from railcli.model.profile import Profile
+from railcli.model.scenario import Contact, Run, Scenario
+from railcli.model.system import assemble
+from railcli.model.track import Curve, Straight, Track, Transition, pack
+from railcli.model.vehicle import Body, Vehicle
+
+SMALL = TableSettings(y_range=10e-3, roll_range=7.5e-3, yaw_range=30e-3 * 0.2**0.5, yaw_count=3)  # usual steps
+HEAD = 0.3  # radius of the round rail [m]
+WINDING = Track(  # something of everything
+    (
+        Straight(length=20.0),
+        Transition(length=40.0, shape="clothoid"),
+        Curve(length=30.0, radius=250.0, hand="right", cant=0.15),
+        Transition(length=70.0, shape="bloss"),
+        Curve(length=30.0, radius=300.0, hand="left", cant=0.10),
+        Transition(length=40.0, shape="clothoid"),
+        Straight(length=50.0),
+    )
+)
+SMOOTH = Track(  # without the kinks that the ends of a linear cant ramp make
+    (
+        Straight(length=30.0),
+        Transition(length=80.0, shape="bloss"),
+        Curve(length=150.0, radius=250.0, hand="right", cant=0.15),
+    )
+)
+
+
+def wagon(table, case="curve-1200-45", **groups):
+    """The Manchester wagon in one of its cases on a given table; groups as `Scenario.varied`."""
+    return assemble(load(case).varied(**groups), [table])
+
+
+def tuned(system, **values):
+    """The same system with other values in PARAM."""
+    param = system.model.param.copy()
+    for key, value in values.items():
+        param[key] = value
+    return replaced(system, param=param)
+
+
+def replaced(system, **arrays):
+    """The same system with other arrays in its model."""
+    return replace(system, model=freeze(system.model._replace(**arrays)))
+
+
+def edited(system, name, **values):
+    """The same system with fields of all records of one array set."""
+    array = getattr(system.model, name).copy()
+    for key, value in values.items():
+        array[key] = value
+    return replaced(system, **{name: array})
+
+
+def floating(system, track=None):
+    """The same system without rails, weight or drive: bodies and what joins them, in free space."""
+    track = system.model.track if track is None else pack(track)
+    free = replaced(system, wheel=np.zeros(0, WHEEL), track=track)
+    return tuned(free, gravity=0.0, hold=0.0)
+
+
+def bodies(system, mass, inertia, spins):
+    """Free bodies alone, on the track of a system."""
+    array = np.zeros(len(mass), BODY)
+    array["mass"], array["inertia"], array["spins"] = mass, inertia, spins
+    return replaced(floating(system), body=array, joint=np.zeros(0, JOINT), element=np.zeros(0, ELEMENT))
+
+
+def data_at(model, q, v, damper=()):
+    """Data of a state, with the accelerations that belong to it."""
+    data = new_data(model, q, len(damper))
+    data.v[:] = v
+    data.damper[:] = damper
+    assert evaluate(model, data, 0.0) == 0
+    return data
+
+
+def run(system, data, seconds):
+    """Advance; any fault is a failure of the test."""
+    steps = round(seconds / system.model.param[0]["step"])
+    assert advance(system.model, data, steps) == 0
+    return data
+
+
+def cone(angle):
+    """Right-hand wheel without a flange whose radius falls by tan(angle) per metre to the field side."""
+    y = np.linspace(-0.06, 0.06, 25)
+    return Profile.from_points("cone", "wheel", y, -np.tan(angle) * y)
+
+
+def round_rail(radius=HEAD):
+    """Rail whose head is a circle, wide enough to have a gauge face 14 mm below its top."""
+    angle = np.linspace(-0.38, 0.38, 153)
+    return Profile("round", "rail", radius * np.sin(angle), radius * (1.0 - np.cos(angle)), angle)
+
+
+def round_settings(**values):
+    """Settings under which the tape circle stands over the crown of round rails: seat = 0."""
+    settings = TableSettings(inclination=0.0, **values)
+    half = np.sqrt(HEAD**2 - (HEAD - 0.014) ** 2)
+    return replace(settings, gauge=2.0 * (settings.lateral - half))
+
+
+def cone_table(angle, **values):
+    """Table of cones on round rails, with few cells, in which everything is smooth."""
+    grid = {"y_range": 8e-3, "y_step": 1e-3, "roll_range": 4e-3, "roll_step": 1e-3, "yaw_range": 12e-3, "yaw_count": 4}
+    settings = round_settings(**{**grid, **values})
+    return build_table(cone(angle), round_rail(), settings)[0]
+
+
+def lone_wheelset(table, speed, step=0.5e-3, mass=2000.0, inertia=(1000.0, 100.0, 1000.0), track=None, **contact):
+    """One wheelset on its own two wheels."""
+    settings = table.settings
+    body = Body(name="wheelset", mass=mass, inertia=inertia, x=0.0, wheel_radius=settings.radius)
+    scenario = Scenario(
+        name="lone wheelset",
+        vehicle=Vehicle(name="lone wheelset", bodies=(body,)),
+        run=Run(speed=speed, step=step, output_interval=step),
+        track=track or Track((Straight(length=500.0),)),
+        contact=Contact(gauge=settings.gauge, flange_back=settings.flange_back, **contact),
+    )
+    return assemble(scenario, [table])
