@@ -49,6 +49,7 @@ def profiles():
 def table(profiles):
     """Contact table of S1002 on UIC60 with the usual steps over a small range."""
     import scenes
+
     from railcli.analysis.build_table import build_table
 
     return build_table(*profiles, scenes.SMALL)[0]

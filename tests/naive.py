@@ -194,7 +194,8 @@ def joint_energy(model, j, lower, upper, damper):
         if element["kind"] == 0:
             d = frame.T @ gap
             energy += np.sum(0.5 * element["k"] * d**2 - element["preload"] * d)
-            energy += sum(curve_energy(model.curve[i], x) for i, x in zip(element["spring_curve"], d) if i >= 0)
+            curves = zip(element["spring_curve"], d, strict=True)
+            energy += sum(curve_energy(model.curve[i], x) for i, x in curves if i >= 0)
             continue
         stretch = np.linalg.norm(gap) - element["length"]
         energy += 0.5 * element["k"][0] * stretch**2 + element["preload"][0] * stretch
@@ -203,3 +204,67 @@ def joint_energy(model, j, lower, upper, damper):
         if element["state"] >= 0:
             energy += 0.5 * element["series"] * (np.linalg.norm(gap) - damper[element["state"]]) ** 2
     return energy
+
+
+# --- Wheel on rail: the difference surface on a dense grid ---
+
+
+def difference_minima(wheel, rail, settings, pose, near=0.5e-3):
+    """Rows (s, D) of the minima of the difference surface within `near` of the deepest, from flange to field side.
+
+    The wheel is the set of points whose distance from the axle is that of the profile; D is rail z less wheel z over a
+    grid in x and y, first coarse, then fine about each minimum.
+    """
+    y, roll, yaw = pose
+    axle = Rotation.from_euler("ZX", [yaw, roll]).apply([0.0, 1.0, 0.0])
+    down = Rotation.from_euler("ZX", [yaw, roll]).apply([0.0, 0.0, 1.0])
+    turn = np.arctan(1.0 / settings.inclination) if settings.inclination else 0.0
+    rail_y, rail_z, angle, _ = rail.at(np.linspace(0.0, rail.arc[-1], 60001))
+    rail_y, rail_z = np.cos(turn) * rail_y + np.sin(turn) * rail_z, np.cos(turn) * rail_z - np.sin(turn) * rail_y
+    rail_z = rail_z - rail_z.min()
+    face = np.argmax(rail_z < 0.014) + np.array([0, -1])
+    innermost = min(np.interp(0.014, rail_z[face], rail_y[face]), rail_y[rail_z < 0.014].min())
+    rail_y = rail_y + settings.gauge / 2.0 - innermost
+    good = np.abs(angle - turn) < np.radians(80.0)
+    rail_y, rail_z = rail_y[good], rail_z[good]
+    wheel_s, wheel_z, angle, _ = wheel.at(np.linspace(0.0, wheel.arc[-1], 60001))
+    good = np.abs(angle) < np.radians(80.0)
+    wheel_s, wheel_z = wheel_s[good], wheel_z[good]
+    lateral = settings.flange_back / 2.0 + 0.070
+    foot = np.array([0.0, lateral + y, 0.0])
+    centre = foot - settings.radius * down
+
+    def surface(across, along):
+        """D and s over a grid."""
+        x, at = np.meshgrid(along, across)
+        z = np.zeros_like(x)
+        for _ in range(60):
+            to = np.stack([x, at, z], axis=-1) - centre
+            s = to @ axle
+            wanted = settings.radius + np.interp(s, wheel_s, wheel_z, -np.inf, -np.inf)
+            out = np.sqrt(np.maximum(np.sum(to**2, axis=-1) - s**2, 0.0))
+            step = np.clip(wanted - out, -0.02, 0.02)
+            z = z + 0.8 * step
+        value = np.interp(at, rail_y, rail_z, np.inf, np.inf) - z
+        return np.where(np.isfinite(value) & (np.abs(step) < 1e-12), value, np.inf), s
+
+    def profile_of(across, along):
+        value, s = surface(across, along)
+        best = np.argmin(value, axis=1)
+        rows = np.arange(across.size)
+        return value[rows, best], s[rows, best], along[best]
+
+    across = np.arange(lateral - 0.05, lateral + 0.05, 0.05e-3)
+    value, _, where = profile_of(across, np.arange(-30e-3, 30.01e-3, 0.5e-3))
+    inner = np.arange(1, across.size - 1)
+    low = inner[(value[inner] < value[inner - 1]) & (value[inner] <= value[inner + 1]) & np.isfinite(value[inner + 1])]
+    rows = []
+    for i in low[value[low] < value[low].min() + near]:
+        y0, x0 = across[i], where[i]
+        for reach in (60e-6, 6e-6):
+            ys, xs = y0 + np.linspace(-reach, reach, 41), x0 + np.linspace(-20 * reach, 20 * reach, 41)
+            value_here, s_here, x_here = profile_of(ys, xs)
+            k = np.argmin(value_here)
+            y0, x0 = ys[k], x_here[k]
+        rows.append((s_here[k], value_here[k]))
+    return np.array(rows)

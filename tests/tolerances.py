@@ -64,21 +64,21 @@ TRACK_AXES = 1e-11  # [-] rounding of headings of some radian, summed over up to
 TRACK_TURNING = 1e-8  # [1/m] central differences over 2 mm: rounding 1e-13, curvature's third derivative far less
 RATE = 1e-7  # [m/s, rad/s] central differences over 0.2 ms of places of 300 m: rounding 3e-10; third derivatives 2e-8
 TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
-ENERGY_SLOPE = 1e-7  # central differences over 2e-5 m or rad: rounding 1e-10, third derivatives 1e-10; a table's corner 1e-8
-RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it; falls with the square
-# Free bodies, relative, over 240 m at 40 m/s in steps of 0.25 ms; a linear cant ramp makes kinks, which cost first order
+ENERGY_SLOPE = 1e-7  # central differences over 2e-5: rounding 1e-10, third derivatives 1e-10; a table's corner 1e-8
+RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it
+# Free bodies, relative, over 240 m at 40 m/s in steps of 0.25 ms; the kinks of a linear cant ramp cost first order
 FREE_MOMENTUM = 3e-6  # measured 1.0e-6
 FREE_ANGULAR = 2e-4  # about a point 240 m away; measured 6e-5
 FREE_ENERGY = 2e-11  # measured 4e-12
 FREE_SMOOTH = 2e-7  # without kinks, angular momentum the worst; measured
 ORDER_TWO = 0.1  # of the ratio 4 of the errors at steps h and h / 2: the next order of the error
-PARABOLA = 1e-6  # [m, m/s]
-PRECESSION = 1e-5
-SPRING_ENERGY = 1e-2
-BOUNCE_ENERGY = 1e-3
-ENERGY_ORDER = 0.15
+PARABOLA = 1e-6  # [m, m/s] squares of a step of 0.25 ms times accelerations in axes that turn at 0.1 rad/s
+PRECESSION = 1e-5  # [-] of a unit axle: squares of a step of 0.1 ms at 8 rad/s, summed over 2 s
+SPRING_ENERGY = 1e-2  # midpoint at h omega = 0.1 to 0.2 of the stiffest suspension mode: its square over 4
+BOUNCE_ENERGY = 1e-3  # likewise, of the contact mode in steps of 0.1 ms
+ENERGY_ORDER = 0.15  # of the ratio 4: the next order of the error
 FLIGHT = 1e-6  # [J] rounding of 4e5 J in a flight: measured 2e-10
-REBOUND = 1e-5
+REBOUND = 1e-5  # of the height: steps of 0.01 ms in an impact of some ms
 RESTITUTION = 2e-3  # the tread is 1 : 40 steep, and the branch bends as the wheel sinks in
 
 # --- Equivalent conicity ---
@@ -118,14 +118,35 @@ BALANCE_KN = 0.2  # sums of rail forces against mass times acceleration: what is
 # --- Contact geometry and its table ---
 SIMPLEX_PLACE = 1e-6  # [m] demanded; both end in the same Newton iteration, measured 5e-11
 SIMPLEX_GAP = 1e-9  # [m] demanded; measured 2e-16
+SCAN_BARRIER = 20e-6  # [m] what rises less between two minima 1 mm apart, a scan of 0.5 mm may not see
 GRID_BARRIER = 2e-6  # [m] shallower minima drown in the coarse grid
 GRID_PLACE = 2e-5  # [m] D is flat: within 1e-9 m of the minimum over this length
 GRID_GAP = 1e-8  # [m] chords of 5 micrometres and a last grid of 0.3 by 6 micrometres on radii of 13 mm
 CIRCLE_GAP = 1e-9  # [m] cubic graph with 0.05 mm steps through arcs
 GAP_SLOPE = 2e-5  # [-, m/rad, m/rad^2] differences over 2e-6: rounding 1e-10; jumps of curvature within the step
 BALANCE_BY_HAND = 1.0  # [N] the last digit of a sum done by hand
-SETTLED_RUN_MM = 0.01  # after 250 m of curve a trailing wheelset at 45 m/s still swings by 0.01 mm
-HELD_IN_PLACE = 1.0  # [N] displacements in and out of mm, Newton stops at 1e-7 m/s^2 of 1.8 t; measured below
+SETTLED_RUN_MM = 2e-3  # at 45 m/s a trailing wheelset still swings by 0.006 mm in the last 100 m; means measured 3e-4
+HELD_IN_PLACE = 1e-3  # [N] Newton stops at 1e-7 m/s^2 of 1.8 t; measured 2e-7
 FORCE_GRAIN = 2.0  # [N] of 1e5 N: rounding where the force hardly moves
 MIRROR = 1e-12  # relative: the same operations with other signs, in another order
-CREEP_SLOPE = 1e-3  # of the largest entry: the damping leaves out the change of |v|, gyroscopic moments and saturation's edge
+CREEP_SLOPE = 2e-3  # of the largest entry: the damping leaves out the change of |v|, a creepage's worth of it
+SIX_DIGITS = 1e-5  # relative: half a unit of the sixth digit
+WEIGHT = 1.0  # [N] static equilibrium to 1e-7 m/s^2, and wheels that lean by a contact angle
+
+# --- Equilibria and runs of the wagon ---
+STATIC_LOAD = 5.0  # [N] demanded to three decimals in kN; the end of the axle-box springs' rounding
+STATIC_BALANCE = 0.1  # [N] an acceleration of 1e-7 m/s^2 left over on 44 t
+UPRIGHT = 1e-9  # [m, rad] the same over the softest stiffness
+CURVE_BALANCE = 20.0  # [N] bodies beside or above the centre line run on another radius: 1e-4 of 74 kN
+EVEN_LOADS = 0.025  # leading outer wheels bear on the flange root, 25 to 38 mm nearer to the middle than inner ones
+MIRRORED_PLACE = 1e-8  # [m, rad] Newton's method stops at 1e-7 m/s^2
+MIRRORED_FORCE = 1.0  # [N] the same
+STEADY_PLACE = 1e-6  # [m, rad] demanded
+STEADY_FORCE = 10.0  # [N] the same times the stiffness of a flange contact of 1e8 N/m, not all of it in one direction
+HALVED_STEP = 5e-6  # [m] demanded
+TURNED = 1e-9  # [m, rad] rounding of places of 1000 m, 1e-13, times contact stiffness over mass, in 4000 steps
+SECOND_ORDER = 0.1  # the table's slopes bend at its nodes, which each step size meets elsewhere; measured 2.03
+OTHER_CODE = 1e-9  # demanded; contraction of a * b + c rounds once less
+KLINGEL = 6e-3  # his formula leaves out r tan(angle) / b, half of it in a wavelength: 0.8 % at 0.025; measured 0.5 %
+SPIN = 1e-9  # relative, over 2000 steps: rounding of forces of 1e5 N
+STRAIGHT_ON = 0.02  # gravity on a round rail pushes back a little

@@ -14,6 +14,7 @@ from railcli.model.system import assemble
 
 from .equilibrium import static, steady
 from .simulate import SteadyWindow, simulate
+from .steady_values import expected_forces, final_stretch, means, peaks_to_peaks
 
 FRICTION_RANGE = (0.05, 0.60)  # within which friction is identified
 FRICTION_STEP = 0.025
@@ -88,22 +89,6 @@ class Curving:
         return float((self.q_outer + self.q_inner).sum())
 
 
-def last_curve(scenario):
-    """Curvature [1/m], cant over the inner rail [m] and hand (+1 right) of the curve that ends the scenario's track."""
-    section = scenario.track.sections[-1]
-    hand = 1.0 if section.curvature > 0.0 else -1.0
-    return section.curvature, section.signed_cant, hand
-
-
-def expected_sums(scenario, mass, speed):
-    """What the rails must give in a steady curve: outwards in the track plane, and normal to it [N]."""
-    curvature, cant, _ = last_curve(scenario)
-    sine = abs(cant) / scenario.cant_base
-    cosine = np.sqrt(1.0 - sine**2)
-    gravity, outward = scenario.run.gravity, speed**2 * abs(curvature)
-    return mass * (gravity * sine - outward * cosine), mass * (gravity * cosine + outward * sine)
-
-
 def run_curve(scenario, tables, progress=None):
     """Run a scenario that ends in a curve and average its end.
 
@@ -116,22 +101,19 @@ def run_curve(scenario, tables, progress=None):
     outcome = simulate(scenario, system, window, progress)
     if outcome.fault:
         raise SimulationError(f"{scenario.name}: {outcome.fault}")
-    _, _, hand = last_curve(scenario)
-    sets = list(system.wheelsets)
-    q_force, y_force = window.mean("q_force").reshape(-1, 2), window.mean("y_force").reshape(-1, 2)
-    outer, inner = (1, 0) if hand > 0 else (0, 1)
-    mass = float(system.model.body["mass"].sum())
-    expected_y, expected_q = expected_sums(scenario, mass, scenario.run.speed)
+    stretch = final_stretch(scenario)
+    mean = means(system, stretch, window)
+    on_rails_y, on_rails_q = expected_forces(scenario, stretch)
     return Curving(
         speed=scenario.run.speed,
-        outwards_mm=-hand * window.mean("q")[sets, 1] * 1e3,
-        peak_to_peak_mm=window.peak_to_peak("q")[sets, 1] * 1e3,
-        yaw=-hand * window.mean("q")[sets, 5],
-        q_outer=q_force[:, outer],
-        q_inner=q_force[:, inner],
-        y_outwards=hand * y_force.sum(axis=1),
-        expected_y=float(expected_y),
-        expected_q=float(expected_q),
+        outwards_mm=mean.lateral * 1e3,
+        peak_to_peak_mm=peaks_to_peaks(system, stretch, window).lateral * 1e3,
+        yaw=mean.yaw,
+        q_outer=mean.q_force[:, 0],
+        q_inner=mean.q_force[:, 1],
+        y_outwards=-mean.y_force.sum(axis=1),
+        expected_y=-on_rails_y,
+        expected_q=on_rails_q,
         hold=float(window.mean("traction")),
     )
 
@@ -139,12 +121,12 @@ def run_curve(scenario, tables, progress=None):
 def steady_displacements(scenario, tables, speeds):
     """Quasi-static displacements towards the outer rail [mm], (n_speed, n_wheelset); NaN where there is none."""
     system = assemble(scenario, tables)
-    curvature, cant, hand = last_curve(scenario)
+    stretch = final_stretch(scenario)
     rows = []
     for speed in speeds:
         try:
-            data = steady(system, curvature, cant, speed).data
-            rows.append(-hand * data.q[list(system.wheelsets), 1] * 1e3)
+            data = steady(system, stretch.curvature, stretch.cant, speed).data
+            rows.append(stretch.outwards * data.q[list(system.wheelsets), 1] * 1e3)
         except SimulationError:
             rows.append(_settled(scenario.varied(run={"speed": speed}), tables))
     return np.array(rows)
@@ -165,13 +147,13 @@ def holding_forces(scenario, tables, speeds, outwards_mm):
     The other wheelsets and bodies take their own steady places. NaN where the model has no such motion.
     """
     system = assemble(scenario, tables)
-    curvature, cant, hand = last_curve(scenario)
+    stretch = final_stretch(scenario)
     forces = []
     for speed, row in zip(speeds, outwards_mm, strict=True):
-        held = {system.wheelsets[k]: -hand * row[k] * 1e-3 for k in TRAILING}
+        held = {system.wheelsets[k]: stretch.outwards * row[k] * 1e-3 for k in TRAILING}
         try:
-            data = steady(system, curvature, cant, speed, held).data
-            forces.append([hand * data.load[i, 1] for i in held])
+            data = steady(system, stretch.curvature, stretch.cant, speed, held).data
+            forces.append([-stretch.outwards * data.load[i, 1] for i in held])
         except SimulationError:
             forces.append([np.nan] * len(held))
     return np.array(forces)

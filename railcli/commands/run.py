@@ -109,5 +109,5 @@ def _run(case, with_figures, output, overwrite, quiet):
         record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
         record["folder"] = folder
         write_json(folder / "summary.json", record)
-    lines = [*report.report(case, outcome, stretch, steady), "", f"Written to {folder}: {', '.join(files)}, summary.json"]
-    return record, lines, outcome.fault
+    written = f"Written to {folder}: {', '.join(files)}, summary.json"
+    return record, [*report.report(case, outcome, stretch, steady), "", written], outcome.fault

@@ -5,11 +5,12 @@ yaw (about z), roll (about the new x), pitch (about the newest y). A wheelset's 
 no part in it. Velocities v: of the centre in track axes, angular velocity in the axes of the body's frame.
 """
 
-from math import cos, isfinite, sin
+from math import isfinite
 
 from .jit import kernel
 from .layout import Status
 from .track import find_piece, place, turning
+from .trig import sine_cosine
 from .vec3 import accumulate, cross, get, inward, outward, put, scale
 
 
@@ -31,9 +32,10 @@ def own_axes(sine, cosine):
 @kernel
 def sines(roll, pitch, yaw, spins):
     """Sines and cosines of roll, pitch and yaw, with a wheelset's pitch as 0."""
-    if spins:
-        return (sin(roll), 0.0, sin(yaw)), (cos(roll), 1.0, cos(yaw))
-    return (sin(roll), sin(pitch), sin(yaw)), (cos(roll), cos(pitch), cos(yaw))
+    sr, cr = sine_cosine(roll)
+    sp, cp = sine_cosine(0.0 if spins else pitch)
+    sy, cy = sine_cosine(yaw)
+    return (sr, sp, sy), (cr, cp, cy)
 
 
 @kernel

@@ -9,6 +9,7 @@ from math import atan, isfinite, sqrt
 from .creep import forces_and_jacobian
 from .jit import kernel
 from .layout import MAX_CONTACT, NODE_CHANNELS, Node, Status
+from .rows import mix
 from .vec3 import add, cross, dot, get, scale
 
 GAP = Node.GAP.value
@@ -45,16 +46,6 @@ def enter(side, lateral, radius, y, z, sr, cr, cy):
     yaw = atan2(-e_x, e_y) of the axle's direction e. The table takes side * roll and side * yaw beside them.
     """
     return side * y + (lateral * cr - side * radius * sr) * cy - lateral, z + side * lateral * sr + radius * cr
-
-
-@kernel
-def mix(node, n, w, sample, row):
-    """sample[row] = sum of w[c] times the channels of node n[c] over the eight corners of a cell."""
-    for k in range(NODE_CHANNELS):
-        sample[row, k] = (
-            (w[0] * node[n[0], k] + w[1] * node[n[1], k] + w[2] * node[n[2], k] + w[3] * node[n[3], k])
-            + (w[4] * node[n[4], k] + w[5] * node[n[5], k] + w[6] * node[n[6], k] + w[7] * node[n[7], k])
-        )
 
 
 @kernel
@@ -110,14 +101,13 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
     for b in range(table["branch_base"] + cell[place], table["branch_base"] + cell[place + 1]):
         n, w, whole = corners(branch, b, base, full)
         out = min(count, MAX_CONTACT - 1)
+        mix(node, n, w, sample, out)
         if whole:
-            mix(node, n, w, sample, out)
             weight, share, mean = 1.0, 1.0, 0.0
         else:
             weight = total(w, (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
             if weight < 1e-9:
                 continue
-            mix(node, n, w, sample, out)
             share = 1.0 / weight
             for k in range(NODE_CHANNELS):
                 sample[out, k] *= share

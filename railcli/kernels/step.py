@@ -4,12 +4,13 @@ from math import isfinite
 
 from numba import types
 
+from .block import block, raise_diagonal, solve, times
 from .body import drift, drift_on, frames, inertia_loads
 from .contact import describe_patch, slip, touch
 from .jit import entry, kernel
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
 from .suspension import suspension
-from .vec3 import cross, get, scale
+from .vec3 import add, cross, get, scale
 
 
 @kernel
@@ -38,26 +39,6 @@ def loads(model, data, half_step):
 
 
 @kernel
-def solve6(a, b, i, x):
-    """x[i] = a[i]^-1 b[i] by elimination without pivots; a[i] (6 x 6) and b[i] are overwritten.
-
-    a is mass plus damping: its diagonal stays positive.
-    """
-    for p in range(6):
-        pivot = 1.0 / a[i, p, p]
-        for j in range(p + 1, 6):
-            ratio = a[i, j, p] * pivot
-            for k in range(p + 1, 6):
-                a[i, j, k] -= ratio * a[i, p, k]
-            b[i, j] -= ratio * b[i, p]
-    for p in range(5, -1, -1):
-        total = b[i, p]
-        for k in range(p + 1, 6):
-            total -= a[i, p, k] * x[i, k]
-        x[i, p] = total / a[i, p, p]
-
-
-@kernel
 def accelerate(model, data, half_step):
     """Fill data.dv from data.load; wheelsets with the damping of their creep forces implicit over half_step.
 
@@ -68,19 +49,20 @@ def accelerate(model, data, half_step):
     for i in range(model.body.size):
         body = model.body[i]
         mass, inertia = body["mass"], get(body["inertia"])
+        force, moment = (load[i, 0], load[i, 1], load[i, 2]), (load[i, 3], load[i, 4], load[i, 5])
         if body["spins"] and half_step > 0.0:
-            for a in range(6):
-                for b in range(6):
-                    c[i, a, b] *= half_step
-                    load[i, a] += c[i, a, b] * dv[i, b]
-            for a in range(3):
-                c[i, a, a] += mass
-                c[i, 3 + a, 3 + a] += inertia[a]
-            solve6(c, load, i, dv)
+            p, q = block(c, i, 0, 0, half_step), block(c, i, 0, 3, half_step)
+            r, s = block(c, i, 3, 0, half_step), block(c, i, 3, 3, half_step)
+            u, w = (dv[i, 0], dv[i, 1], dv[i, 2]), (dv[i, 3], dv[i, 4], dv[i, 5])
+            force = add(force, add(times(p, u), times(q, w)))
+            moment = add(moment, add(times(r, u), times(s, w)))
+            u, w = solve(raise_diagonal(p, (mass, mass, mass)), q, r, raise_diagonal(s, inertia), force, moment)
         else:
-            for a in range(3):
-                dv[i, a] = load[i, a] / mass
-                dv[i, 3 + a] = load[i, 3 + a] / inertia[a]
+            u = scale(1.0 / mass, force)
+            w = (moment[0] / inertia[0], moment[1] / inertia[1], moment[2] / inertia[2])
+        for a in range(3):
+            dv[i, a] = u[a]
+            dv[i, 3 + a] = w[a]
 
 
 @kernel

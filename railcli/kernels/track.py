@@ -1,9 +1,10 @@
 """The track frame at arc length s (theory.md section 2)."""
 
-from math import cos, sin, sqrt
+from math import sqrt
 
 from .jit import kernel
 from .layout import PATH_ORDER
+from .trig import sine_cosine
 from .vec3 import put
 
 
@@ -64,7 +65,7 @@ def place(track, i, s, cant_base, frame):
     turn = u * (k0[0] + u * (k0[1] / 2.0 + u * (k0[2] / 3.0 + u * k0[3] / 4.0)))
     k, sc, cc = turning(track, i, s, cant_base)
     put(frame["rate"], k)
-    ct, st = cos(turn), sin(turn)
+    st, ct = sine_cosine(turn)
     ch, sh = c0 * ct - s0 * st, s0 * ct + c0 * st
     axes = frame["track"]
     axes[0, 0], axes[0, 1], axes[0, 2] = ch, -sh * cc, sh * sc

@@ -55,7 +55,7 @@ def summary(table, certificate, size, cpu_s=None):
     s = table.settings
     grid = (
         f"y +-{s.y_range * 1e3:g} mm by {s.y_step * 1e3:g}, roll +-{s.roll_range * 1e3:g} mrad by "
-        f"{s.roll_step * 1e3:g}, yaw 0 ... {s.yaw_range * 1e3:g} mrad in {s.yaw_count} values evenly spaced in its square"
+        f"{s.roll_step * 1e3:g}, yaw 0 ... {s.yaw_range * 1e3:g} mrad in {s.yaw_count} values even in its square"
     )
     pairs = [
         ("wheel", f"{table.wheel_name} (sha256 {table.wheel_digest[:12]}), radius {s.radius * 1e3:g} mm"),

@@ -198,11 +198,16 @@ def why(result, radius):
     rows = []
     for reading in READINGS:
         for name, force in zip(("nominal", "identified"), result.holding[reading], strict=True):
-            cell = [", ".join(f"{1e-3 * value:+.1f}" for value in row) for row in force]
-            cell = [text if "nan" not in text else "none" for text in cell]
+            cell = [_kilonewtons(row) for row in force]
             rows.append((READING_TEXT[reading] if name == "nominal" else "", name, *cell))
     header = ("kN on W2, W4 (none: no such motion)", "", *(f"{run.speed:g} m/s" for run in result.nominal))
     lines += columns(rows, header)
+    printed, exchanged = result.holding["as_printed"], result.holding["exchanged"]
+    lines.append(
+        f"{fast.speed:g} m/s alone does not decide: nominally W2 and W4 lack {_kilonewtons(printed[0][0])} kN as "
+        f"printed and {_kilonewtons(exchanged[0][0])} kN exchanged. {slow.speed:g} m/s does: with identified friction "
+        f"{_kilonewtons(printed[1][-1])} kN against {_kilonewtons(exchanged[1][-1])} kN."
+    )
     best = result.readings()
     lines.append(
         f"With the labels of the rows for {fast.speed:g} and {slow.speed:g} m/s exchanged the trend with speed is that "
@@ -212,6 +217,11 @@ def why(result, radius):
         "the values as printed."
     )
     return lines
+
+
+def _kilonewtons(forces):
+    """Forces [N] as signed kN; "none" where there is no such motion."""
+    return ", ".join(f"{1e-3 * value:+.1f}" for value in forces) if np.isfinite(forces).all() else "none"
 
 
 def attack_along_tangent(radius):

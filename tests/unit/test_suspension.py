@@ -34,7 +34,9 @@ def spring_kinds(rng):
         "preloaded bushing": element(Kind.BUSHING, rng, k=k, preload=rng.uniform(-1e4, 1e4, 3)),
         "bushing with tables": element(Kind.BUSHING, rng, k=k, spring_curve=(0, 1, 0)),
         "link": element(Kind.LINK, rng, k=k, length=0.7),
-        "preloaded link with a table": element(Kind.LINK, rng, k=k, length=0.7, preload=(2e3, 0, 0), spring_curve=(1, -1, -1)),
+        "preloaded link with a table": element(
+            Kind.LINK, rng, k=k, length=0.7, preload=(2e3, 0, 0), spring_curve=(1, -1, -1)
+        ),
         "damper in series": element(Kind.LINK, rng, c=(1e4, 0, 0), series=1e6, state=0),
     }  # fmt: skip
 
@@ -45,7 +47,8 @@ KINDS = tuple(spring_kinds(np.random.default_rng(0)))
 def pair(wagon, axes, elements, turn=(0.0, 0.0, 0.0)):
     """Two bodies of unit mass and inertia joined by elements, far from the origin of the ground axes."""
     curves = np.zeros(2, CURVE)
-    for row, (x, y) in zip(curves, [([-0.3, -0.1, 0.1, 0.4], [-5e4, 0, 0, 9e4]), ([-1, 0, 0.2], [-1e3, 0, 4e4])], strict=True):
+    points = [([-0.3, -0.1, 0.1, 0.4], [-5e4, 0, 0, 9e4]), ([-1, 0, 0.2], [-1e3, 0, 4e4])]
+    for row, (x, y) in zip(curves, points, strict=True):
         row["count"], row["x"][: len(x)], row["y"][: len(y)] = len(x), x, y
     joint = np.zeros(1, JOINT)
     joint["upper"], joint["count"], joint["axes"], joint["turn"] = 1, len(elements), axes, turn
@@ -217,7 +220,7 @@ def test_damper_in_series_only_dissipates(wagon, law):
         q, v = somewhere(rng), rng.uniform(-2, 2, (2, 6))
         force, moment, data = forces(system, q, v)
 
-        def stored(t):
+        def stored(t, system=system, q=q, data=data):
             at = [naive.body_pose(LEVEL, row + t * rate, 1.5) for row, rate in zip(q, data.rate, strict=True)]
             return naive.joint_energy(system.model, 0, *at, data.damper + t * data.damper_rate)
 
@@ -229,7 +232,7 @@ def test_damper_in_series_only_dissipates(wagon, law):
 
 def test_series_damper_relaxes(wagon):
     """Ends held still: the tension of a damper c with series stiffness k dies out as exp(-k t / c)."""
-    row = element(Kind.LINK, np.random.default_rng(0), c=(1e4, 0, 0), series=1e6, state=0, lower=(0, 0, 0), upper=(0, 0, 0))
+    row = element(Kind.LINK, np.random.default_rng(0), c=(1e4, 0, 0), series=1e6, state=0, lower=0.0, upper=0.0)
     free = pair(wagon, Axes.MEAN, [row])
     heavy = scenes.edited(free, "body", mass=1e15)
     q = np.zeros((2, 6))

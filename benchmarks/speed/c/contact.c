@@ -1,0 +1,136 @@
+/* Normal contact of the core in plain C, as railcli/kernels/contact.py. */
+
+#include <math.h>
+#include "twin.h"
+#include "vec.h"
+
+enum { PART = GAP_YAW2 }; /* of a sample: weight of the corners that have the branch */
+
+static inline double power_1_5(double x) { return x * sqrt(x); }
+
+static int look_up(const struct model *model, const struct table *table, double y, double roll, double yaw,
+                   double depth, double (*sample)[NODE_CHANNELS])
+{
+    double py = (y - table->y_start) / table->y_step, pr = (roll - table->roll_start) / table->roll_step;
+    double pw = yaw * yaw / table->yaw2_step;
+    int64_t ny = table->y_count, nr = table->roll_count, nw = table->yaw2_count;
+    if (!(py >= 0.0 && py <= ny - 1 && pr >= 0.0 && pr <= nr - 1 && pw <= nw - 1)) return -1;
+    int64_t iy = py, ir = pr, iw = pw;
+    iy = iy < ny - 2 ? iy : ny - 2, ir = ir < nr - 2 ? ir : nr - 2, iw = iw < nw - 2 ? iw : nw - 2;
+    double ty = py - iy, tr = pr - ir, tw = pw - iw, full[8], u[3][8];
+    for (int c = 0; c < 8; c++) {
+        int by = c & 1, br = c >> 1 & 1, bw = c >> 2;
+        full[c] = (by ? ty : 1.0 - ty) * (br ? tr : 1.0 - tr) * (bw ? tw : 1.0 - tw);
+        u[0][c] = (ty - by) * table->y_step, u[1][c] = (tr - br) * table->roll_step;
+        u[2][c] = (tw - bw) * table->yaw2_step;
+    }
+    const int32_t *cell = &model->cell[table->cell_base + (ir * (nw - 1) + iw) * (ny - 1) + iy];
+    int count = 0;
+    for (int64_t b = table->branch_base + cell[0]; b < table->branch_base + cell[1]; b++) {
+        const double *node[8];
+        double w[8], weight = 0.0, mean[3] = {0, 0, 0}, bent = 0.0;
+        int whole = 1;
+        for (int c = 0; c < 8; c++) {
+            int32_t n = model->branch[b][c];
+            node[c] = model->node[table->node_base + (n < 0 ? 0 : n)];
+            w[c] = n < 0 ? 0.0 : full[c];
+            whole &= n >= 0;
+            weight += w[c];
+        }
+        if (weight < 1e-9) continue;
+        double *out = sample[count < MAX_CONTACT ? count : MAX_CONTACT - 1];
+        for (int k = 0; k < NODE_CHANNELS; k++) {
+            out[k] = w[0] * node[0][k] + w[1] * node[1][k] + w[2] * node[2][k] + w[3] * node[3][k]
+                     + w[4] * node[4][k] + w[5] * node[5][k] + w[6] * node[6][k] + w[7] * node[7][k];
+        }
+        for (int c = 0; c < 8; c++) {
+            const double *at = node[c];
+            bent += w[c] * (u[0][c] * at[SLOPE] + u[1][c] * at[GAP_ROLL] + u[2][c] * at[GAP_YAW2]);
+        }
+        if (!whole) {
+            double share = 1.0 / weight;
+            for (int k = 0; k < NODE_CHANNELS; k++) out[k] *= share;
+            for (int a = 0; a < 3; a++)
+                for (int c = 0; c < 8; c++) mean[a] += w[c] * u[a][c];
+            bent = share * (bent + out[SLOPE] * mean[0] + out[GAP_ROLL] * mean[1] + out[GAP_YAW2] * mean[2]);
+        }
+        double p = depth - (out[GAP] + 0.5 * bent);
+        if (p > 0.0) out[GAP] = p, out[PART] = whole ? 1.0 : weight, count++;
+    }
+    return count;
+}
+
+static double elastic_share(double (*sample)[NODE_CHANNELS], int count, int j, double cosine)
+{
+    double p = sample[j][GAP], own = power_1_5(p * cosine);
+    if (j > 0) {
+        double near = sample[j][BARRIER_GAUGE], far = sample[j - 1][BARRIER_FIELD];
+        if (near < p) own -= far / fmax(near + far, 1e-12) * power_1_5((p - near) * cosine);
+    }
+    if (j < count - 1) {
+        double near = sample[j][BARRIER_FIELD], far = sample[j + 1][BARRIER_GAUGE];
+        if (near < p) own -= far / fmax(near + far, 1e-12) * power_1_5((p - near) * cosine);
+    }
+    return sample[j][PART] * fmax(own, 0.0);
+}
+
+static double normal_force(const struct param *param, double hertz, double elastic, double approach)
+{
+    double damped;
+    if (param->damping_rate_power == 1.0 && param->damping_depth_power == 1.5) {
+        damped = elastic * approach;
+    } else {
+        damped = pow(elastic, 2.0 / 3.0 * param->damping_depth_power) * pow(fabs(approach), param->damping_rate_power);
+        damped = approach > 0.0 ? damped : -damped;
+    }
+    return fmax(hertz * (elastic + param->damping * damped), 0.0);
+}
+
+int64_t touch(const struct model *model, struct data *data)
+{
+    const struct param *param = model->param;
+    double (*sample)[NODE_CHANNELS] = data->sample;
+    for (int64_t w = 0; w < model->n_wheel; w++) {
+        const struct wheel *wheel = &model->wheel[w];
+        int64_t body = wheel->body;
+        const struct frame *frame = &data->frame[body];
+        const double *q = data->q[body], *rate = data->rate[body];
+        double side = wheel->side, sr = frame->sine[0], sy = frame->sine[2], cr = frame->cosine[0], cy = frame->cosine[2];
+        double y = side * q[1] + (wheel->lateral * cr - side * wheel->radius * sr) * cy - wheel->lateral;
+        double z = q[2] + side * wheel->lateral * sr + wheel->radius * cr;
+        int found = look_up(model, &model->table[wheel->table], y, side * q[3], side * q[5], z, sample);
+        data->rail[w] = (struct rail){0};
+        for (int j = found > 0 ? found : 0; j < MAX_CONTACT; j++) {
+            data->contact[w][j].normal = 0.0;
+            data->contact[w][j].depth = 0.0;
+        }
+        if (found < 0 || found > MAX_CONTACT) return LEFT_TABLE;
+        if (z < -param->derail_lift) return DERAILED;
+        vec axle = {-sy * cr, cy * cr, sr}, turn = {rate[3] * cy, rate[3] * sy, rate[5]};
+        for (int j = 0; j < found; j++) {
+            const double *at = sample[j];
+            struct contact *contact = &data->contact[w][j];
+            double slope = side * at[SLOPE], cosine = 1.0 / sqrt(1.0 + slope * slope);
+            vec normal = {0.0, -slope * cosine, cosine};
+            double lean = dot(normal, axle), down = at[RADIUS] / sqrt(1.0 - lean * lean);
+            double along = side * (wheel->lateral + at[LATERAL]) - down * lean;
+            vec arm = add(scale(along, axle), scale(down, normal)), moved = cross(turn, arm);
+            double approach = normal.y * (rate[1] + moved.y) + normal.z * (rate[2] + moved.z);
+            double elastic = elastic_share(sample, found, j, cosine), depth = at[GAP] * cosine;
+            if (elastic < power_1_5(depth)) depth = pow(elastic, 2.0 / 3.0);
+            double root = sqrt(depth);
+            contact->normal = normal_force(param, at[HERTZ], elastic, approach);
+            contact->semi_x = at[SEMI_X] * root, contact->semi_y = at[SEMI_Y] * root;
+            contact->f11 = at[F11] * depth, contact->f22 = at[F22] * depth;
+            contact->f23 = at[F23] * depth * root, contact->f33 = at[F33] * depth * depth;
+            contact->depth = at[GAP];
+            contact->slope = slope;
+            contact->lateral = at[LATERAL];
+            contact->radius = at[RADIUS];
+            contact->region = at[REGION];
+            contact->arm[0] = arm.x, contact->arm[1] = arm.y, contact->arm[2] = arm.z;
+        }
+        data->rail[w].patches = found;
+    }
+    return OK;
+}

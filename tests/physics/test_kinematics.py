@@ -1,0 +1,79 @@
+"""Motion of bodies against the absolute pose, and of the whole right-hand side against its NumPy twin."""
+
+import naive
+import numpy as np
+import pytest
+import scenes
+import tolerances as tol
+from numpy.testing import assert_allclose
+
+from benchmarks.speed import equality, numpy_twin
+from railcli.kernels.layout import Creep
+from railcli.kernels.step import evaluate
+
+BASE = 1.5
+
+
+def random_motion(rng, n):
+    """Coordinates and velocities of bodies all along the winding track, far from nominal."""
+    q = rng.uniform(-1, 1, (n, 6)) * [0, 2, 2, 1, 1, 1]
+    q[:, 0] = np.linspace(1, scenes.WINDING.length - 1, n)
+    return q, rng.uniform(-1, 1, (n, 6)) * [60, 5, 5, 3, 3, 3]
+
+
+def test_rates_move_the_body(wagon):
+    """Coordinates that change at the core's rates carry the centre at v and turn the axes at omega."""
+    n, h = 40, 1e-4
+    spins = np.arange(n) % 2
+    system = scenes.floating(scenes.bodies(wagon, np.ones(n), np.ones((n, 3)), spins), scenes.WINDING)
+    q, v = random_motion(np.random.default_rng(1), n)
+    data = scenes.data_at(system.model, q, v)
+    for i in range(n):
+        (ahead, turned), (behind, turned_back) = (
+            naive.body_pose(scenes.WINDING, q[i] + d * data.rate[i], BASE) for d in (h, -h)
+        )
+        track = naive.track_pose(scenes.WINDING, q[i, 0], BASE)[1]
+        assert_allclose(track.T @ (ahead - behind) / (2 * h), v[i, :3], atol=tol.RATE)
+        spin = (turned - turned_back) / (2 * h) @ naive.body_pose(scenes.WINDING, q[i], BASE)[1].T
+        omega = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
+        own = naive.body_pose(scenes.WINDING, q[i] * [1, 1, 1, 1, 1 - spins[i], 1], BASE)[1]
+        assert_allclose(own.T @ omega, v[i, 3:], atol=tol.RATE)
+        assert_allclose(data.frame[i]["omega"], omega, atol=tol.RATE)
+        assert_allclose(data.frame[i]["axes"], own, atol=tol.TRACK_AXES)
+
+
+@pytest.mark.parametrize("law", list(Creep), ids=lambda law: law.name)
+@pytest.mark.parametrize("half_step", [0.0, 0.25e-3, 1e9])
+def test_right_hand_side_against_twin(wagon, law, half_step):
+    """Track, kinematics, suspension, contact, creep and inertia forces all at once, at random states."""
+    rng = np.random.default_rng(3)
+    system = scenes.tuned(wagon, creep_law=int(law))
+    patches = []
+    for place in np.linspace(5.0, 600.0, 12):
+        data = equality.shaken(system, rng, place)
+        q, v = data.q.copy(), data.v.copy()
+        assert evaluate(system.model, data, half_step) == 0
+        twin = numpy_twin.evaluate(system.model, q, v, data.damper, half_step)
+        size = np.abs(twin.load).max(axis=0)
+        assert_allclose(data.load / size, twin.load / size, atol=tol.TWIN)
+        mass = np.column_stack([*[system.model.body["mass"]] * 3, system.model.body["inertia"]])
+        assert_allclose(data.dv, data.load / mass)
+        assert_allclose(data.rate, twin.bodies.rate, rtol=tol.TWIN, atol=tol.TWIN)
+        assert_allclose(data.damper_rate, twin.damper_rate, rtol=tol.TWIN, atol=tol.TWIN)
+        assert_allclose(data.contact["normal"], twin.patches.normal, atol=tol.TWIN * twin.patches.normal.max())
+        reaction = np.stack([data.rail["x"], data.rail["y"], data.rail["q"]], axis=1)
+        assert_allclose(reaction, -twin.patches.force.sum(axis=1), atol=tol.TWIN * np.abs(reaction).max())
+        patches.extend(data.rail["patches"])
+    assert max(patches) >= 2 and min(patches) == 0
+
+
+def test_twin_with_tables_and_fallen_powers(wagon):
+    """Any exponents of the damping of the normal force; running backwards."""
+    system = scenes.tuned(wagon, damping_rate_power=0.7, damping_depth_power=1.1, damping=0.05)
+    data = equality.shaken(system, np.random.default_rng(5), 200.0)
+    data.v[:, 0] *= -1
+    q, v = data.q.copy(), data.v.copy()
+    assert evaluate(system.model, data, 0.0) == 0
+    twin = numpy_twin.evaluate(system.model, q, v, data.damper)
+    size = np.abs(twin.load).max(axis=0)
+    assert_allclose(data.load / size, twin.load / size, atol=tol.TWIN)
