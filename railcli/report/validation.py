@@ -204,9 +204,9 @@ def why(result, radius):
     lines += columns(rows, header)
     printed, exchanged = result.holding["as_printed"], result.holding["exchanged"]
     lines.append(
-        f"{fast.speed:g} m/s alone does not decide: nominally W2 and W4 lack {_kilonewtons(printed[0][0])} kN as "
-        f"printed and {_kilonewtons(exchanged[0][0])} kN exchanged. {slow.speed:g} m/s does: with identified friction "
-        f"{_kilonewtons(printed[1][-1])} kN against {_kilonewtons(exchanged[1][-1])} kN."
+        f"{fast.speed:g} m/s alone does not decide (nominal {_kilonewtons(printed[0][0])} kN as printed, "
+        f"{_kilonewtons(exchanged[0][0])} kN exchanged); {slow.speed:g} m/s does (identified "
+        f"{_kilonewtons(printed[1][-1])} kN against {_kilonewtons(exchanged[1][-1])} kN)."
     )
     best = result.readings()
     lines.append(
