@@ -5,7 +5,7 @@ wheelsets), the places of the bodies along the track against the first, the spin
 all bodies; the equations are all accelerations of the compiled model, 6 per body (theory.md section 9).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,13 +13,15 @@ from railcli.errors import SimulationError
 from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, freeze
-from railcli.kernels.step import evaluate
-from railcli.model.track import constant_track, pack
+from railcli.kernels.step import advance, evaluate
+from railcli.model.track import Straight, Track, Transition, constant_track, pack
 
 SETTLED = 1e9  # half step for which dampers with series stiffness carry no force [s]
 PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
 TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]
 ITERATIONS = 60
+SETTLING = 12.0  # time in the curve after which a run serves as a first guess [s]
+RUN_IN = 60.0  # lengths of straight and of transition before it [m]
 PRESSED = 0.1e-3  # penetration to begin with [m]
 SHORTEST_STRIDE = 1e-3  # of the way from straight track to the curve
 
@@ -253,6 +255,9 @@ def steady(system, curvature, cant, speed=None, lateral=None):
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
 
     motion, x, turning, residual, total = _follow(into_curve, None)
+    if not residual < TOLERANCE:
+        motion, x, turning, residual, more = into_curve(1.0, _settle(system, param, curvature, cant, speed))
+        total += more
     if residual < TOLERANCE and lateral:
         model = motion.model
         own = {i: motion.data.q[i, 1] for i in lateral}
@@ -271,6 +276,18 @@ def steady(system, curvature, cant, speed=None, lateral=None):
             f"acceleration of {residual:.2g} m/s^2 stays"
         )
     return _finish(motion, x, turning, residual, total)
+
+
+def _settle(system, param, curvature, cant, speed):
+    """First guess from a run into the curve, SETTLING long: where the path from straight track is not smooth."""
+    curve = constant_track(curvature, cant).sections[0]
+    into = Straight(length=RUN_IN), Transition(length=RUN_IN)
+    track = pack(Track((*into, curve.model_copy(update={"length": speed * SETTLING + RUN_IN}))))
+    run = replace(system, model=freeze(system.model._replace(param=param, track=track)), speed=speed)
+    data = run.start()
+    data.q[:, 2:] = static(system).data.q[:, 2:]
+    advance(run.model, data, round((2.0 * RUN_IN / speed + SETTLING) / param[0]["step"]))
+    return _Steady(system, run.model, speed, 0.0).unknowns(data)
 
 
 def _solve(motion, guess, turning):

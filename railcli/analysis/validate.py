@@ -18,7 +18,6 @@ from .steady_values import expected_forces, final_stretch, means, peaks_to_peaks
 
 FRICTION_RANGE = (0.05, 0.60)  # within which friction is identified
 FRICTION_STEP = 0.025
-SETTLED_MM = 0.1  # a run whose displacements swing by more at its end has no steady motion
 READINGS = ("as_printed", "exchanged", "trailing_inside")
 SUPPORTED = "exchanged"  # the reading that the balances bear out, and that the verdict uses
 TRAILING = (1, 3)  # W2 and W4
@@ -128,17 +127,8 @@ def steady_displacements(scenario, tables, speeds):
             data = steady(system, stretch.curvature, stretch.cant, speed).data
             rows.append(stretch.outwards * data.q[list(system.wheelsets), 1] * 1e3)
         except SimulationError:
-            rows.append(_settled(scenario.varied(run={"speed": speed}), tables))
+            rows.append(np.full(len(system.wheelsets), np.nan))
     return np.array(rows)
-
-
-def _settled(scenario, tables):
-    """Displacements at the end of a run [mm]; NaN when it ends early or does not settle."""
-    try:
-        run = run_curve(scenario, tables)
-    except SimulationError:
-        return np.full(len(scenario.vehicle.wheelsets), np.nan)
-    return np.where(run.peak_to_peak_mm.max() < SETTLED_MM, run.outwards_mm, np.nan)
 
 
 def holding_forces(scenario, tables, speeds, outwards_mm):

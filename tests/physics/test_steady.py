@@ -7,8 +7,10 @@ import tolerances as tol
 from numpy.testing import assert_allclose
 
 from railcli.analysis.equilibrium import TOLERANCE, static, steady
+from railcli.files.scenario import load
 from railcli.kernels.layout import new_rows
 from railcli.kernels.step import record
+from railcli.model.system import assemble
 from railcli.model.track import constant_track, pack
 
 RADIUS, CANT, BASE, GRAVITY = 1200.0, 0.090, 1.5, 9.81
@@ -150,3 +152,10 @@ def test_turned_scene(curving):
     one, two = (scenes.run(one, started(one, state), 2.0) for one in (here, there))
     assert_allclose(two.q, one.q, rtol=0, atol=tol.TURNED)
     assert np.abs(two.frame["position"] - one.frame["position"]).max() > 100.0
+
+
+def test_steady_motion_where_the_path_from_straight_track_is_not_smooth(table):
+    """At friction 0.125 and 45 m/s W2 leaves its flange on the way into the curve; the steady motion is still found."""
+    system = assemble(load("curve-1200-45").varied(contact={"friction": 0.125}), [table])
+    found = steady(system, 1.0 / 1200.0, 0.090, 45.0)
+    assert np.abs(found.data.dv).max() < TOLERANCE
