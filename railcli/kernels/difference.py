@@ -285,10 +285,35 @@ def drop_shallowest(found, count, value):
             worst = j
     if found[worst, 1] <= value:
         return count
-    for j in range(worst, count - 1):
+    remove_row(found, count, worst)
+    return count - 1
+
+
+@kernel
+def remove_row(found, count, row):
+    """Move the rows behind `row` one place up."""
+    for j in range(row, count - 1):
         for k in range(found.shape[1]):
             found[j, k] = found[j + 1, k]
-    return count - 1
+
+
+@kernel
+def drop_strays(found, count):
+    """Remove minima of a simplex that left its basin for one that another seed found as well. Returns how many."""
+    strays = 0
+    j = 0
+    while j < count - strays:
+        s = found[j, 0]
+        twins = 0
+        for k in range(count - strays):
+            if abs(found[k, 0] - s) < SAME_POINT:
+                twins += 1
+        if twins > 1 and not (found[j, 4] < s and s < found[j, 5]):
+            remove_row(found, count - strays, j)
+            strays += 1
+        else:
+            j += 1
+    return strays
 
 
 @kernel
@@ -362,6 +387,8 @@ def minima(
             found[count, 2], found[count, 4] = saddle, saddle_s
             found[count, 3], found[count, 5] = np.inf, np.inf
             count += 1
+    strays = drop_strays(found, count)
+    count, total = count - strays, total - strays
     for j in range(count):
         _, value, slope = slope_difference(found[j, 0], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
         bottom = lean_gap(value, slope, level)
