@@ -32,7 +32,7 @@ def explain(error):
         130 for Ctrl-C, that of the class for errors of railcli, 2 for an output that cannot be written, else 1.
     """
     if isinstance(error, KeyboardInterrupt):
-        return "Interrupted.", INTERRUPTED
+        return " ".join(["Interrupted.", *map(str, error.args)]).strip(), INTERRUPTED
     if isinstance(error, OSError):
         from railcli.files.output import is_refusal, refusal
 

@@ -286,7 +286,13 @@ def elastic(sample, loaded, cosine):
     for mine, theirs, shift in (
         (Node.BARRIER_GAUGE, Node.BARRIER_FIELD, 1), (Node.BARRIER_FIELD, Node.BARRIER_GAUGE, -1),
     ):  # fmt: skip
-        near, far = sample[..., mine], np.roll(sample[..., theirs], shift, axis=1)
+        near, far, rest = sample[..., mine], np.zeros(loaded.shape), np.ones(loaded.shape)
+        for away in range(1, loaded.shape[1]):
+            there = np.roll(loaded, shift * away, axis=1)
+            there[:, slice(None, away) if shift > 0 else slice(-away, None)] = False
+            part = np.where(there, np.roll(sample[..., PART], shift * away, axis=1), 0.0)
+            far += rest * part * np.roll(sample[..., theirs], shift * away, axis=1)
+            rest *= 1.0 - part
         neighbour = np.roll(loaded, shift, axis=1)
         neighbour[:, 0 if shift > 0 else -1] = False
         both = np.where(neighbour, np.maximum((depth - near) * cosine, 0.0), 0.0)

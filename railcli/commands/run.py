@@ -68,7 +68,6 @@ def _run(case, with_figures, output, overwrite, quiet):
     from railcli.files.provenance import provenance
     from railcli.files.tables import tables_for
     from railcli.model.system import assemble
-    from railcli.report import run as report
 
     def announce(text):
         if not quiet:
@@ -80,16 +79,22 @@ def _run(case, with_figures, output, overwrite, quiet):
         system = assemble(case, tables)
         window = SteadyWindow(case.distance - case.average_over)
         write_json(folder / "scenario.json", case.as_dict())
-        with results.TimeSeries(folder / results.TIME_SERIES, system) as series:
-            with Progress("Run", case.duration, "s", quiet) as progress:
+        series = results.TimeSeries(folder / results.TIME_SERIES, system)
 
-                def sink(rows):
-                    series(rows)
-                    window(rows)
+        def sink(rows):
+            series(rows)
+            window(rows)
 
+        try:
+            with series, Progress("Run", case.duration, "s", quiet) as progress:
                 outcome = simulate(
                     case, system, sink, lambda time, factor: progress.update(time, f"{factor:.0f} x real time")
                 )
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(series.kept()) from None
+
+        from railcli.report import run as report  # only now: drawing libraries take half a second to load
+
         stretch = steady_values.final_stretch(case)
         steady = None
         if stretch is not None and window.count and not outcome.fault:

@@ -44,9 +44,10 @@ def is_refusal(error):
     return error.errno in _REASONS
 
 
-def refusal(path, error):
-    """Return the InputError that tells the user why `path` cannot be written."""
-    return InputError(path, f"cannot be written: {_REASONS.get(error.errno) or error.strerror or error}")
+def refusal(path, error, kept=""):
+    """Return the InputError that tells the user why `path` cannot be written, and what of it is `kept` (a sentence)."""
+    reason = f"cannot be written: {_REASONS.get(error.errno) or error.strerror or error}"
+    return InputError(path, f"{reason}. {kept}" if kept else reason)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from railcli.analysis.faults import wheel_name
 from railcli.kernels.layout import MAX_CONTACT, new_rows
 
 from .growing_hdf5 import GrowingHdf5
-from .output import file_name, refused, whole_file
+from .output import file_name, is_refusal, refusal, refused, whole_file
 
 TIME_SERIES = "timeseries.h5"
 MAIN_CHANNELS = "main.csv"
@@ -76,36 +76,25 @@ class TimeSeries:
     Attributes
     ----------
     rows : int
-        Written or kept for writing.
-    time, distance : float
-        Of the last row [s], of the first body along the track [m].
+        In the file.
+    time : float
+        Of the last one [s].
     """
 
     def __init__(self, path, system):
         self._path, self._system = path, system
         self._held = new_rows(system.model, CHUNK)
-        self._count = self._written = 0
-        self.time = self.distance = 0.0
-
-    @property
-    def rows(self):
-        return self._written + self._count
+        self._count = self.rows = 0
+        self.time = 0.0
 
     def __enter__(self):
         self._growing = GrowingHdf5(self._path)
-        file = self._growing.file
-        with refused(self._path), self._growing.growing(0):
-            file.attrs.update(
-                {
-                    "format": FORMAT,
-                    "version": FORMAT_VERSION,
-                    "axes": "track axes: x forward, y to the right, z down; angles right-handed about them",
-                    "bodies": list(self._system.bodies),
-                    "wheelsets": [self._system.bodies[i] for i in self._system.wheelsets],
-                    "wheels": [wheel_group(self._system, w) for w in range(self._system.model.wheel.size)],
-                }
-            )
-            self._sources = dict(self._create(file))
+        try:
+            with refused(self._path), self._growing.growing(0):
+                self._begin(self._growing.file)
+        except BaseException:
+            self._growing.drop()
+            raise
         return self
 
     def __call__(self, rows):
@@ -116,30 +105,52 @@ class TimeSeries:
                 held[self._count : self._count + count] = new[start : start + count]
             self._count += count
             start += count
-            self.time, self.distance = float(rows.time[start - 1]), float(rows.q[start - 1, 0, 0])
             if self._count == CHUNK:
                 self._write()
+
+    def kept(self):
+        """A sentence that says what the file holds; empty when there is none."""
+        return f"What was computed until t = {self.time:.2f} s is kept in {self._path}." if self.rows else ""
 
     def __exit__(self, kind, error, traceback):
         try:
             if self._count:
                 self._write()
         finally:
-            if self._written:
+            if self.rows:
                 self._growing.close()
             else:
                 self._growing.drop()
 
     def _write(self):
         """Append the rows at hand. When the disk is full they are given up, those before stay in the file."""
-        count, start = self._count, self._written
-        self._count = 0
+        count, self._count = self._count, 0
         rows = type(self._held)(*(array[:count] for array in self._held))
-        with refused(self._path), self._growing.growing(sum(array.nbytes for array in rows)):
-            for dataset, source in self._sources.items():
-                dataset.resize(start + count, axis=0)
-                dataset[start:] = source(rows)
-            self._written += count
+        try:
+            with self._growing.growing(sum(array.nbytes for array in rows)):
+                for dataset, source in self._sources.items():
+                    dataset.resize(self.rows + count, axis=0)
+                    dataset[self.rows :] = source(rows)
+                self.rows += count
+                self.time = float(rows.time[-1])
+        except OSError as error:
+            if is_refusal(error):
+                raise refusal(self._path, error, self.kept()) from error
+            raise
+
+    def _begin(self, file):
+        system = self._system
+        file.attrs.update(
+            {
+                "format": FORMAT,
+                "version": FORMAT_VERSION,
+                "axes": "track axes: x forward, y to the right, z down; angles right-handed about them",
+                "bodies": list(system.bodies),
+                "wheelsets": [system.bodies[i] for i in system.wheelsets],
+                "wheels": [wheel_group(system, w) for w in range(system.model.wheel.size)],
+            }
+        )
+        self._sources = dict(self._create(file))
 
     def _create(self, file):
         """Make every dataset; yields each with the function that reads its values from rows."""

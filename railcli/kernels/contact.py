@@ -150,6 +150,18 @@ def corners(branch, b, base, w):
 
 
 @kernel
+def facing_barrier(sample, count, j, way, channel):
+    """Barrier towards branch j of its neighbour on one side (way -1 or +1); as that one fades, of the next [m]."""
+    barrier, rest = 0.0, 1.0
+    k = j + way
+    while k >= 0 and k < count and rest > 0.0:
+        barrier += rest * sample[k, PART] * sample[k, channel]
+        rest *= 1.0 - sample[k, PART]
+        k += way
+    return barrier
+
+
+@kernel
 def elastic_share(sample, count, j, cosine):
     """Elastic normal force of loaded branch j over its Hertz factor [m^1.5], patches that overlap merged.
 
@@ -160,11 +172,11 @@ def elastic_share(sample, count, j, cosine):
     p = sample[j, GAP]
     own = power_1_5(p * cosine)
     if j > 0:
-        near, far = sample[j, BARRIER_GAUGE], sample[j - 1, BARRIER_FIELD]
+        near, far = sample[j, BARRIER_GAUGE], facing_barrier(sample, count, j, -1, BARRIER_FIELD)
         if near < p:
             own -= far / max(near + far, 1e-12) * power_1_5((p - near) * cosine)
     if j < count - 1:
-        near, far = sample[j, BARRIER_FIELD], sample[j + 1, BARRIER_GAUGE]
+        near, far = sample[j, BARRIER_FIELD], facing_barrier(sample, count, j, 1, BARRIER_GAUGE)
         if near < p:
             own -= far / max(near + far, 1e-12) * power_1_5((p - near) * cosine)
     return sample[j, PART] * max(own, 0.0)

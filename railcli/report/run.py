@@ -1,11 +1,17 @@
 """A run for people: the steady values of its end as text, time series as figures."""
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
+
+from railcli.model.track import pack
 
 from .figures import GREY, SERIES, draw
 from .text import columns, facts
 
 FIGURES = ("wheelsets", "wheel_loads", "lateral_forces", "accelerations")
+PIECE_POINTS = 9  # at which the curvature of a piece of track is drawn
+LABELLED = 0.12  # of the width: shorter sections are not named
+SHADE = {"transition": 0.08, "curve": 0.16}
 DIFFERENCE = 1e-5  # between the end of a run and Newton's steady motion that is worth a warning [m]
 
 
@@ -107,32 +113,41 @@ def figures(scenario, main, folder):
 
 
 def _panels(figure, painter, scenario, main):
-    strip, *axes = figure.subplots(3, 1, sharex=True, height_ratios=(0.7, 2.0, 2.0))
-    _track(strip, scenario, main)
+    strip, *axes = figure.subplots(3, 1, sharex=True, height_ratios=(0.5, 2.0, 2.0))
     painter(axes, main)
+    end = main.distance[-1] if main.distance.size else scenario.distance
+    _track(strip, axes, scenario, end)
     axes[-1].set_xlabel("arc length of the first body [m]")
     for axis in axes:
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def _track(axis, scenario, main):
-    """Curvature and cant over the distance: what the vehicle meets."""
-    ends, curvature, cant, start = [], [], [], 0.0
+def _track(strip, axes, scenario, end):
+    """Curvature over the distance with the sections named, and the same sections shaded in the other axes."""
+    pieces = pack(scenario.track)
+    places = [piece["start"] + np.linspace(0.0, piece["length"], PIECE_POINTS) for piece in pieces]
+    bends = [polyval(s - piece["start"], piece["curvature"]) for s, piece in zip(places, pieces, strict=True)]
+    strip.fill_between(np.concatenate(places), 1e3 * np.concatenate(bends), color=GREY, alpha=0.5, linewidth=0.0)
+    strip.set_ylabel("curvature\n[1/km]")
+    strip.set_title(f"{scenario.name}, {scenario.run.speed:g} m/s; positive: to the right")
+    strip.set_xlim(0.0, end)
+    strip.margins(y=0.15)
+    start = 0.0
     for section in scenario.track.sections:
-        if section.kind != "transition":
-            ends += [start, start + section.length]
-            curvature += [section.curvature] * 2
-            cant += [section.signed_cant] * 2
+        stop = min(start + section.length, end)
+        if section.kind != "straight" and start < end:
+            for axis in axes:
+                axis.axvspan(start, stop, color=GREY, alpha=SHADE[section.kind], linewidth=0.0, zorder=0)
+        if stop - start > LABELLED * end:
+            strip.text(0.5 * (start + stop), 0.5, _name(section), transform=strip.get_xaxis_transform(), fontsize=8,
+                       ha="center", va="center")  # fmt: skip
         start += section.length
-    axis.plot(ends, 1e3 * np.array(curvature), color=GREY)
-    axis.set_ylabel("curvature\n[1/km]")
-    axis.set_title(f"{scenario.name}, {scenario.run.speed:g} m/s; positive: to the right")
-    right = axis.twinx()
-    right.plot(ends, 1e3 * np.array(cant), color=SERIES[3], linestyle="--")
-    right.set_ylabel("cant [mm]", color=SERIES[3])
-    right.grid(False)
-    if main.distance.size:
-        axis.set_xlim(0.0, main.distance[-1])
+
+
+def _name(section):
+    if section.kind != "curve":
+        return section.kind
+    return f"R = {section.radius:g} m {section.hand}, cant {1e3 * section.cant:g} mm"
 
 
 def _wheelsets(axes, main):

@@ -60,15 +60,25 @@ static int look_up(const struct model *model, const struct table *table, double 
     return count;
 }
 
+static double facing_barrier(double (*sample)[NODE_CHANNELS], int count, int j, int way, int channel)
+{
+    double barrier = 0.0, rest = 1.0;
+    for (int k = j + way; k >= 0 && k < count && rest > 0.0; k += way) {
+        barrier += rest * sample[k][PART] * sample[k][channel];
+        rest *= 1.0 - sample[k][PART];
+    }
+    return barrier;
+}
+
 static double elastic_share(double (*sample)[NODE_CHANNELS], int count, int j, double cosine)
 {
     double p = sample[j][GAP], own = power_1_5(p * cosine);
     if (j > 0) {
-        double near = sample[j][BARRIER_GAUGE], far = sample[j - 1][BARRIER_FIELD];
+        double near = sample[j][BARRIER_GAUGE], far = facing_barrier(sample, count, j, -1, BARRIER_FIELD);
         if (near < p) own -= far / fmax(near + far, 1e-12) * power_1_5((p - near) * cosine);
     }
     if (j < count - 1) {
-        double near = sample[j][BARRIER_FIELD], far = sample[j + 1][BARRIER_GAUGE];
+        double near = sample[j][BARRIER_FIELD], far = facing_barrier(sample, count, j, 1, BARRIER_GAUGE);
         if (near < p) own -= far / fmax(near + far, 1e-12) * power_1_5((p - near) * cosine);
     }
     return sample[j][PART] * fmax(own, 0.0);
