@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from .output import whole_file
 
 ZEROS = bytes(1 << 20)
+CHUNK_CACHE = 1 << 16  # of each dataset [bytes]; whole chunks are written once, and HDF5 2.0 would keep 8 MB of them
 RESERVE = 1 << 20  # room kept for what HDF5 writes about its data [bytes]
 
 
@@ -102,7 +103,7 @@ class GrowingHdf5:
         self._granted = Granted(self._whole.__enter__())
         with self._refusals():
             self._granted.grant(RESERVE)
-            self.file = h5py.File(self._granted, "w")
+            self.file = h5py.File(self._granted, "w", rdcc_nbytes=CHUNK_CACHE)
 
     @contextmanager
     def growing(self, count):

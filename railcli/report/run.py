@@ -81,6 +81,8 @@ def report(scenario, outcome, stretch, steady):
             ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
         ]
     )
+    if outcome.fault:
+        return lines
     if stretch is None:
         return [*lines, "", "The run does not end in one straight or curve: no steady values."]
     if steady is None:
@@ -151,26 +153,32 @@ def _name(section):
 
 
 def _wheelsets(axes, main):
-    for k in range(main.lateral.shape[1]):
-        axes[0].plot(main.distance, 1e3 * main.lateral[:, k], color=SERIES[k % len(SERIES)], label=f"W{k + 1}")
-        axes[1].plot(main.distance, 1e3 * main.yaw[:, k], color=SERIES[k % len(SERIES)], label=f"W{k + 1}")
+    for axis, values in zip(axes, (main.lateral, main.yaw), strict=True):
+        _each_wheelset(axis, main, 1e3 * values)
     axes[0].set_ylabel("lateral displacement [mm]")
     axes[1].set_ylabel("yaw [mrad]")
 
 
 def _forces(axes, main, force, name):
     for side, axis in enumerate(axes):
-        for k in range(force.shape[1] // 2):
-            axis.plot(main.distance, 1e-3 * force[:, 2 * k + side], color=SERIES[k % len(SERIES)], label=f"W{k + 1}")
+        _each_wheelset(axis, main, 1e-3 * force[:, side::2])
         axis.set_ylabel(f"{name} {('right', 'left')[side]} [kN]")
+
+
+def _each_wheelset(axis, main, values):
+    """One line for each wheelset; the rear half dashed, because it often covers the front half."""
+    count = values.shape[1]
+    for k in range(count):
+        style = {"color": SERIES[k % len(SERIES)], "linestyle": "--" if 2 * k >= count > 1 else "-"}
+        axis.plot(main.distance, values[:, k], label=f"W{k + 1}", **style)
 
 
 def _accelerations(axes, main):
     for i, body in enumerate(main.sprung):
         for axis, direction in zip(axes, (1, 2), strict=True):
             axis.plot(main.distance, main.acceleration[:, i, direction], color=SERIES[i % len(SERIES)], label=body)
-    axes[0].set_ylabel("lateral acceleration [m/s$^2$]")
-    axes[1].set_ylabel("vertical acceleration [m/s$^2$]")
+    axes[0].set_ylabel("lateral acceleration,\nto the right [m/s$^2$]")
+    axes[1].set_ylabel("vertical acceleration,\ndown [m/s$^2$]")
 
 
 def summary(scenario, outcome, stretch, steady, provenance, files):

@@ -166,6 +166,7 @@ def test_full_disk_is_one_line_and_keeps_the_rows_before(scenario_file, tmp_path
     assert "timeseries.h5" in line and "space" in line.lower()
     with h5py.File(tmp_path / "out" / "timeseries.h5") as file:
         assert file["time"].size % 1000 == 0 and file["time"].size > 0
+        assert f"until t = {file['time'][-1]:.2f} s is kept" in line
 
 
 def test_ctrl_c_keeps_what_was_computed(scenario_file, tmp_path):
@@ -189,3 +190,4 @@ def test_ctrl_c_keeps_what_was_computed(scenario_file, tmp_path):
     with h5py.File(out / "timeseries.h5") as file:
         assert file["time"].size > 0
         assert file["wheels/W1_left/Q"].size == file["time"].size
+        assert f"until t = {file['time'][-1]:.2f} s is kept in {out}" in message
