@@ -268,3 +268,21 @@ def difference_minima(wheel, rail, settings, pose, near=0.5e-3):
             y0, x0 = ys[k], x_here[k]
         rows.append((s_here[k], value_here[k]))
     return np.array(rows)
+
+
+def cone_on_circle(pose, angle, r0, head):
+    """s, D, contact angle, radius where a cone lies on a circular rail whose crown is the origin.
+
+    The cone's tangent plane at its contact has a normal n with n . e = sin(angle) and no part along the rail; it
+    passes at r0 cos(angle) from the point of the axle over the tape circle, and at the rail's radius from its centre.
+    """
+    y, roll, yaw = pose
+    e = np.array([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)])
+    down = np.array([np.sin(yaw) * np.sin(roll), -np.cos(yaw) * np.sin(roll), np.cos(roll)])
+    lean = np.arctan2(e[2], e[1]) - np.arcsin(np.sin(angle) / np.hypot(e[1], e[2]))
+    n = np.array([0.0, -np.sin(lean), np.cos(lean)])
+    axle = np.array([0.0, y, 0.0]) - r0 * down
+    gap = (n @ (np.array([0.0, 0.0, head]) - axle) - head - r0 * np.cos(angle)) / n[2]
+    radial = (n - np.sin(angle) * e) / np.cos(angle)
+    s = (head * np.sin(lean) - axle[1] - r0 * radial[1]) / (e[1] - np.tan(angle) * radial[1])
+    return s, gap, -lean, r0 - s * np.tan(angle)

@@ -61,22 +61,22 @@ TRACK_TANGENT = 1e-8  # [rad] chord of 0.2 mm: rounding of a position of 300 m o
 
 # --- Mechanics of the compiled core ---
 TRACK_AXES = 1e-11  # [-] rounding of headings of some radian, summed over up to 200 pieces
-TRACK_TURNING = 1e-8  # [1/m] central differences over 2 mm: rounding 1e-13, curvature's third derivative far less
+TRACK_TURNING = 1e-11  # [1/m] central differences over 2 mm: rounding of axes, 1e-16 over 1e-3; measured 1.4e-12
 RATE = 1e-7  # [m/s, rad/s] central differences over 0.2 ms of places of 300 m: rounding 3e-10; third derivatives 2e-8
 TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
-ENERGY_SLOPE = 1e-7  # central differences over 2e-5: rounding 1e-10, third derivatives 1e-10; a table's corner 1e-8
+ENERGY_SLOPE = 1e-9  # relative: central differences over 2e-5, rounding and third derivatives 1e-10; measured 9e-11
 RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it
 # Free bodies, relative, over 240 m at 40 m/s in steps of 0.25 ms; the kinks of a linear cant ramp cost first order
 FREE_MOMENTUM = 3e-6  # measured 1.0e-6
 FREE_ANGULAR = 2e-4  # about a point 240 m away; measured 6e-5
 FREE_ENERGY = 2e-11  # measured 4e-12
-FREE_SMOOTH = 2e-7  # without kinks, angular momentum the worst; measured
+FREE_SMOOTH = 2e-7  # without kinks, angular momentum the worst; measured 8e-8
 ORDER_TWO = 0.1  # of the ratio 4 of the errors at steps h and h / 2: the next order of the error
-PARABOLA = 1e-6  # [m, m/s] squares of a step of 0.25 ms times accelerations in axes that turn at 0.1 rad/s
-PRECESSION = 1e-5  # [-] of a unit axle: squares of a step of 0.1 ms at 8 rad/s, summed over 2 s
-SPRING_ENERGY = 1e-2  # midpoint at h omega = 0.1 to 0.2 of the stiffest suspension mode: its square over 4
-BOUNCE_ENERGY = 1e-3  # likewise, of the contact mode in steps of 0.1 ms
-ENERGY_ORDER = 0.15  # of the ratio 4: the next order of the error
+PARABOLA = 1e-7  # [m, m/s] squares of a step of 0.25 ms in axes that turn at 0.2 rad/s; measured 2e-8
+PRECESSION = 3e-6  # [-] of a unit axle: squares of a step of 0.1 ms at 8 rad/s over 2 s; measured 1e-6
+SPRING_ENERGY = 1e-4  # of the energy that swings: squares of h omega, 0.1 in the stiffest mode; measured 6e-5
+BOUNCE_ENERGY = 5e-7  # likewise, contact and suspension in steps of 0.1 ms; measured 1.9e-7
+ENERGY_ORDER = 0.02  # of the ratio 4: the next order of the error; measured 0.003
 FLIGHT = 1e-6  # [J] rounding of 4e5 J in a flight: measured 2e-10
 REBOUND = 1e-5  # of the height: steps of 0.01 ms in an impact of some ms
 RESTITUTION = 2e-3  # the tread is 1 : 40 steep, and the branch bends as the wheel sinks in
@@ -123,6 +123,12 @@ GRID_BARRIER = 2e-6  # [m] shallower minima drown in the coarse grid
 GRID_PLACE = 2e-5  # [m] D is flat: within 1e-9 m of the minimum over this length
 GRID_GAP = 1e-8  # [m] chords of 5 micrometres and a last grid of 0.3 by 6 micrometres on radii of 13 mm
 CIRCLE_GAP = 1e-9  # [m] cubic graph with 0.05 mm steps through arcs
+STATION = 1e-6  # [m] profile graphs have a grid of 0.05 mm
+AT_A_NODE = 1e-13  # [m, -] rounding of a place in the grid times what changes over a cell; measured 3e-15
+AT_A_NODE_RELATIVE = 1e-9  # the same of large values; measured 4e-11
+SMOOTH_GAP = 1e-10  # [m] quadratic interpolation of a surface whose third derivatives vanish; measured 1.4e-12
+SMOOTH_PLACE = 1e-7  # [m, -] linear interpolation over cells of 1 mm x 1 mrad; measured 2.6e-8
+GAP_GRAIN = 1e-9  # [m] where the depth of first touch hardly moves
 GAP_SLOPE = 2e-5  # [-, m/rad, m/rad^2] differences over 2e-6: rounding 1e-10; jumps of curvature within the step
 BALANCE_BY_HAND = 1.0  # [N] the last digit of a sum done by hand
 SETTLED_RUN_MM = 2e-3  # at 45 m/s a trailing wheelset still swings by 0.006 mm in the last 100 m; means measured 3e-4
@@ -132,6 +138,10 @@ MIRROR = 1e-12  # relative: the same operations with other signs, in another ord
 CREEP_SLOPE = 2e-3  # of the largest entry: the damping leaves out the change of |v|, a creepage's worth of it
 SIX_DIGITS = 1e-5  # relative: half a unit of the sixth digit
 WEIGHT = 1.0  # [N] static equilibrium to 1e-7 m/s^2, and wheels that lean by a contact angle
+
+STEP_TWIN = 1e-9  # ten steps; the twin's creep damping comes from differences, 1e-7 of it; measured 2e-10
+LAST_DIGIT = 4e-16  # two units of the last digit of a double
+SOLVED = 1e-11  # elimination without pivots, condition numbers up to 1e3
 
 # --- Equilibria and runs of the wagon ---
 STATIC_LOAD = 5.0  # [N] demanded to three decimals in kN; the end of the axle-box springs' rounding

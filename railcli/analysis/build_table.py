@@ -38,7 +38,8 @@ def stations(mounting, fine=FINE_STATION, coarse=COARSE_STATION):
     low = mounting.wheel_start
     high = low + mounting.wheel_step * (mounting.wheel.shape[0] - 1)
     part = min(wheel_regions(mounting)[2] + 0.010, high)
-    return np.concatenate([np.arange(low, part, fine), np.arange(part, high, coarse), [high]])
+    found = np.concatenate([np.arange(low, part, fine), np.arange(part, high, coarse), [high]])
+    return found[np.append(np.diff(found) > 0.1 * fine, True)]
 
 
 def check_fit(mounting, settings):

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from benchmarks.speed import equality, numpy_twin
 from railcli.kernels.layout import Creep
-from railcli.kernels.step import evaluate
+from railcli.kernels.step import advance, evaluate
 
 BASE = 1.5
 
@@ -77,3 +77,47 @@ def test_twin_with_tables_and_fallen_powers(wagon):
     twin = numpy_twin.evaluate(system.model, q, v, data.damper)
     size = np.abs(twin.load).max(axis=0)
     assert_allclose(data.load / size, twin.load / size, atol=tol.TWIN)
+
+
+def creep_damping(model, q, v):
+    """Minus the slopes of the wheels' loads on the bodies (n, 6, 6) over their velocities, by central differences."""
+
+    def wheel_loads(v):
+        bodies = numpy_twin.kinematics(model, q, v)
+        patches = numpy_twin.contact(model, bodies, q, v)
+        loads, of = np.zeros_like(v), model.wheel["body"]
+        np.add.at(loads[:, :3], of, patches.force.sum(axis=1))
+        np.add.at(loads[:, 3:], of, numpy_twin.turn_back(bodies.pose[of], patches.moment.sum(axis=1)))
+        return loads
+
+    h = 1e-6
+    return np.stack([(wheel_loads(v - h * e) - wheel_loads(v + h * e)) / (2 * h) for e in np.eye(6)], axis=2)
+
+
+def midpoint_step(model, q, v, dv, damper, h):
+    """One step of the implicit-explicit midpoint rule: creep damping implicit, all else at the predicted midpoint."""
+    half = h / 2
+    q_mid = q + half * numpy_twin.kinematics(model, q, v).rate
+    v_mid = v + half * dv
+    found = numpy_twin.evaluate(model, q_mid, v_mid, damper, half)
+    damping = creep_damping(model, q_mid, v_mid)
+    mass = np.column_stack([*[model.body["mass"]] * 3, model.body["inertia"]])
+    right = found.load + half * np.einsum("nij,nj->ni", damping, dv)
+    dv = np.linalg.solve(mass[:, :, None] * np.eye(6) + half * damping, right[..., None])[..., 0]
+    rate = numpy_twin.kinematics(model, q_mid, v + half * dv).rate
+    return q + h * rate, v + h * dv, dv, damper + h * found.damper_rate
+
+
+def test_steps_against_twin(wagon):
+    """Ten whole steps. Normal forces without damping and creepages over a constant speed, or C is not a slope."""
+    system = scenes.tuned(wagon, creep_law=int(Creep.SMOOTH), damping=0.0, creep_speed=50.0)
+    data = equality.shaken(system, np.random.default_rng(11), 150.0)
+    data.v[:, 0] = 45.0
+    data = scenes.data_at(system.model, data.q, data.v, data.damper)
+    state = data.q.copy(), data.v.copy(), data.dv.copy(), data.damper.copy()
+    for _ in range(10):
+        assert advance(system.model, data, 1) == 0
+        state = midpoint_step(system.model, *state, system.model.param["step"][0])
+        for mine, twin in zip((data.q, data.v, data.dv, data.damper), state, strict=True):
+            assert_allclose(mine, twin, rtol=tol.STEP_TWIN, atol=tol.STEP_TWIN * np.abs(twin).max())
+    assert data.rail["patches"].max() >= 1

@@ -55,6 +55,22 @@ def test_no_minimum_twice(mounting):
         assert (np.diff(places) > tol.SIMPLEX_PLACE).all(), roll
 
 
+@pytest.mark.parametrize("yaw", [0.0, 13e-3])
+def test_every_minimum_lies_in_its_basin(mounting, yaw):
+    """Between its own two saddles; what lies outside would be joined with none of its neighbours in the table."""
+    for roll in np.linspace(-25e-3, 25e-3, 21):
+        found, _ = solved(mounting, "simplex", roll, yaw)
+        s, low, high = np.moveaxis(found[np.isfinite(found[..., 0])][:, [0, 4, 5]], -1, 0)
+        assert (low < s).all() and (s < high).all(), roll
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.01, 0.025, 0.1])
+def test_stations_of_the_scan_lie_apart(mounting, angle):
+    """Two that differ by rounding would be a saddle or a minimum between them."""
+    for one in (mounting, mount(scenes.cone(angle), scenes.round_rail(), scenes.round_settings())):
+        assert np.diff(stations(one)).min() > tol.STATION
+
+
 def direct(mounting, pose):
     """s, D, contact angle, radius, barrier of every contact point of one pose."""
     low, high = mounting.wheel_start, mounting.wheel_start + mounting.wheel_step * (mounting.wheel.shape[0] - 1)
@@ -83,24 +99,6 @@ def test_three_loaded_minima(mounting):
     assert np.ptp(found[:, 1]) < 30e-6
 
 
-def cone_on_circle(pose, angle, r0, head):
-    """s, D, contact angle, radius where a cone lies on a circular rail whose crown is the origin.
-
-    The cone's tangent plane at its contact has a normal n with n . e = sin(angle) and no part along the rail; it
-    passes at r0 cos(angle) from the point of the axle over the tape circle, and at the rail's radius from its centre.
-    """
-    y, roll, yaw = pose
-    e = np.array([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)])
-    down = np.array([np.sin(yaw) * np.sin(roll), -np.cos(yaw) * np.sin(roll), np.cos(roll)])
-    lean = np.arctan2(e[2], e[1]) - np.arcsin(np.sin(angle) / np.hypot(e[1], e[2]))
-    n = np.array([0.0, -np.sin(lean), np.cos(lean)])
-    axle = np.array([0.0, y, 0.0]) - r0 * down
-    gap = (n @ (np.array([0.0, 0.0, head]) - axle) - head - r0 * np.cos(angle)) / n[2]
-    radial = (n - np.sin(angle) * e) / np.cos(angle)
-    s = (head * np.sin(lean) - axle[1] - r0 * radial[1]) / (e[1] - np.tan(angle) * radial[1])
-    return s, gap, -lean, r0 - s * np.tan(angle)
-
-
 @pytest.mark.parametrize("angle", [0.0, 0.025, 0.1])
 @pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (5e-3, 0.0, 0.0), (3e-3, -8e-3, 0.0), (-4e-3, 6e-3, 25e-3)])
 def test_cone_on_a_circle(pose, angle):
@@ -108,7 +106,7 @@ def test_cone_on_a_circle(pose, angle):
     settings = scenes.round_settings()
     mounting = mount(scenes.cone(angle), scenes.round_rail(), settings)
     (found,) = direct(mounting, pose)
-    s, gap, contact_angle, radius = cone_on_circle(pose, angle, settings.radius, scenes.HEAD)
+    s, gap, contact_angle, radius = naive.cone_on_circle(pose, angle, settings.radius, scenes.HEAD)
     assert_allclose(found[0], s, rtol=0, atol=tol.CIRCLE_PLACE)
     assert_allclose(found[1], gap, rtol=0, atol=tol.CIRCLE_GAP)
     assert_allclose(found[2], contact_angle, rtol=0, atol=tol.CIRCLE_ANGLE)
