@@ -286,3 +286,34 @@ def cone_on_circle(pose, angle, r0, head):
     radial = (n - np.sin(angle) * e) / np.cos(angle)
     s = (head * np.sin(lean) - axle[1] - r0 * radial[1]) / (e[1] - np.tan(angle) * radial[1])
     return s, gap, -lean, r0 - s * np.tan(angle)
+
+
+def pull_of_rectangles(hx, hy, nx, ny, young, poisson):
+    """Approach of two bodies at every element of a grid under unit pressure on the one in the middle: Love (1929)."""
+    x, y = np.meshgrid(np.arange(1 - nx, nx) * hx, np.arange(1 - ny, ny) * hy, indexing="ij")
+
+    def corner(a, b):
+        return a * np.log(b + np.hypot(a, b)) + b * np.log(a + np.hypot(a, b))
+
+    ends = [(corner(x + i * hx / 2, y + j * hy / 2), i * j) for i in (-1, 1) for j in (-1, 1)]
+    return 2.0 * (1.0 - poisson**2) / (np.pi * young) * sum(value * sign for value, sign in ends)
+
+
+def pressures(overlap, hx, hy, young, poisson):
+    """Pressures [Pa] of elastic half spaces on a grid of rectangles hx by hy: overlap [m] taken up where they touch.
+
+    Boundary elements: solve on those that overlap, let go those that would pull, repeat.
+    """
+    nx, ny = overlap.shape
+    pull = pull_of_rectangles(hx, hy, nx, ny, young, poisson)
+    i, j = (index.ravel() for index in np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij"))
+    touches = overlap.ravel() > 0.0
+    found = np.zeros(overlap.size)
+    while True:
+        k = np.flatnonzero(touches)
+        matrix = pull[i[k][:, None] - i[k] + nx - 1, j[k][:, None] - j[k] + ny - 1]
+        pressure = np.linalg.solve(matrix, overlap.ravel()[k])
+        if (pressure >= 0.0).all():
+            found[k] = pressure
+            return found.reshape(overlap.shape)
+        touches[k[pressure < 0.0]] = False

@@ -160,3 +160,15 @@ OTHER_CODE = 1e-9  # demanded; contraction of a * b + c rounds once less
 KLINGEL = 6e-3  # his formula leaves out r tan(angle) / b, half of it in a wavelength: 0.8 % at 0.025; measured 0.5 %
 SPIN = 1e-9  # relative, over 2000 steps: rounding of forces of 1e5 N
 STRAIGHT_ON = 0.02  # gravity on a round rail pushes back a little
+
+# --- Non-Hertzian patches ---
+ELLIPTIC = 1e-12  # arithmetic-geometric mean, quadratic convergence
+STRIP = 1e-8  # of adaptive quadrature with its integrand's roots at both ends
+PATCH_HERTZ = 6e-4  # 10 Gauss points a side through a logarithm: 2e-4; the widest patch bends the head's circle
+PATCH_SHIFT = 2e-5  # [m] the load leans to the side of the greater approach on a 1:20 cone, 16 um at 0.4 mm
+PATCH_FORCE = 0.035  # Kik and Piotrowski against the half space, with 1 % of the grid; measured 0.029
+PATCH_AREA = 0.13  # their areas are small by 5 to 10 %; elements of the grid another 3 %
+PATCH_PLACE = 0.12e-3  # [m] measured 0.09
+PATCH_GRID = 0.01  # of the force: 27 by 37 elements against Hertz's closed form
+PATCH_NODE = 1e-6  # places of the grid, and D at a node; interpolation adds rounding only
+PATCH_BETWEEN = 0.01  # straight lines in sqrt(p) between 25 and 60 um; measured 0.004

@@ -7,7 +7,8 @@ import numpy as np
 
 from railcli.errors import InputError
 from railcli.kernels.branches import PER_CORNER, cut_knots, join_cells, link_nodes
-from railcli.kernels.layout import NODE_CHANNELS
+from railcli.kernels.layout import NODE_CHANNELS, PATCH_ROWS
+from railcli.kernels.patch import fill_patches
 from railcli.kernels.tabulate import fill_nodes, solve_orientation
 from railcli.model.contact_table import ContactTable, mount
 
@@ -86,7 +87,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
     y_start = -settings.y_step * (ny // 2)
     found, counts = np.zeros((ny, PER_CORNER, 6)), np.zeros(ny, np.int64)
     all_counts = np.zeros(nr * nw * ny, np.int64)
-    nodes, basins = [], []
+    nodes, basins, patches = [], [], []
     evaluations = crowded = 0
     began = time.process_time()
     for ir in range(nr):
@@ -107,6 +108,12 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
             )
             nodes.append(node)
             basins.append(basin)
+            if settings.patches:
+                patches.append(np.zeros((PATCH_ROWS * node.shape[0], NODE_CHANNELS)))
+                fill_patches(
+                    roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments, settings.young, settings.poisson,
+                    counts, node, patches[-1],
+                )  # fmt: skip
             all_counts[(ir * nw + iw) * ny : (ir * nw + iw + 1) * ny] = counts
         if progress:
             progress(0.95 * (ir + 1) / nr)
@@ -130,7 +137,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         wheel_digest=wheel.digest(),
         rail_digest=rail.digest(),
         method=method,
-        node=node,
+        node=np.concatenate([node, *patches]),
         cell=cell,
         branch=np.ascontiguousarray(branch[:count]),
     )

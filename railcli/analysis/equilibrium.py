@@ -12,7 +12,7 @@ import numpy as np
 from railcli.errors import SimulationError
 from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
-from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, freeze
+from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.track import Straight, Track, Transition, constant_track, pack
 
@@ -125,12 +125,12 @@ class _Steady:
 def touching_depth(model):
     """How far the first wheel must sink from nominal, centred and upright, until it touches its rail [m]."""
     deep = 5e-3
-    sample = np.zeros((MAX_CONTACT, NODE_CHANNELS))
+    sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
     wheel = model.wheel[0]
     table = model.table[wheel["table"]]
     if look_up(table, model.node, model.cell, model.branch, 0.0, 0.0, 0.0, deep, sample) < 1:
         raise SimulationError("a centred wheel does not touch its rail within 5 mm of its nominal height")
-    return deep - sample[:, Node.GAP].max()
+    return deep - sample[:MAX_CONTACT, Node.GAP].max()
 
 
 def _newton(motion, x, turning):

@@ -37,6 +37,11 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @setting("--curvature-window", "2", "MM", "Arc length over which profile curvature is averaged.", 1e3)
 @setting("--pressed", "0", "MM", "Quasi-elastic contact points, the wheel pressed in by this much; 0: rigid.", 1e3)
 @click.option(
+    "--normal",
+    type=click.Choice(["hertz", "kp"]),
+    help="Patches: Hertz's ellipses, or non-Hertzian ones by Kik and Piotrowski.  [default: hertz]",
+)
+@click.option(
     "--method",
     type=click.Choice(["simplex", "locus"]),
     default="simplex",

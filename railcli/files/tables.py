@@ -20,7 +20,7 @@ from railcli.analysis.certify import SEED, certify
 from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
-from railcli.kernels.layout import NODE_CHANNELS, Node
+from railcli.kernels.layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Press
 from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
 from railcli.model.system import table_settings
 
@@ -34,7 +34,8 @@ POSES_UNASKED = 2000  # of the certificate of a table that a command builds beca
 SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
 ARRAYS = {
-    "node": "contact points at grid poses, one row each; columns: attribute 'channels'",
+    "node": "contact points at grid poses, one row each; columns: attribute 'channels'. With normal 'kp' behind them "
+    "their patches, three rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'",
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
 }
@@ -54,8 +55,15 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "poisson": ("--poisson", "", 1.0),
     "curvature_window": ("--curvature-window", "mm", 1e3),
     "pressed": ("--pressed", "mm", 1e3),
+    "normal": ("--normal", "", None),
 }
-OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson", "pressed")
+OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson", "pressed", "normal")
+
+
+def in_units(key, value):
+    """A setting as an option of `railcli build-lut` takes it."""
+    factor = OPTIONS[key][2]
+    return value if factor is None else f"{value * factor:.10g}"
 
 
 @dataclass(frozen=True)
@@ -89,8 +97,7 @@ class Expected:
                 words += [option, given]
         for key in self.matters:
             if getattr(self.settings, key) != getattr(default, key):
-                option, _, factor = OPTIONS[key]
-                words += [option, f"{getattr(self.settings, key) * factor:.10g}"]
+                words += [OPTIONS[key][0], in_units(key, getattr(self.settings, key))]
         return shlex.join([*words, "-o", str(path), "--overwrite"])
 
 
@@ -135,6 +142,9 @@ def save(table, path, certificate=None):
             file[name].attrs["description"] = description
         file["node"].attrs["channels"] = ", ".join(channel.name.lower() for channel in Node)
         file["node"].attrs["units"] = UNITS
+        if table.settings.patches:
+            file["node"].attrs["penetrations_m"] = PATCH_PENETRATIONS
+            file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in Press)
 
 
 def _head(image):
@@ -245,8 +255,10 @@ def _inconsistency(table):
             return f"{name} is {array.dtype} of shape {array.shape}, not {np.dtype(dtype)} of shape {shape}"
     if cell[0] != 0 or cell[-1] != branch.shape[0] or (np.diff(cell) < 0).any():
         return f"cell does not count the {branch.shape[0]} branches"
-    if branch.size == 0 or branch.min() < -1 or branch.max() >= node.shape[0]:
-        return f"branch points outside the {node.shape[0]} nodes"
+    if branch.size == 0 or branch.min() < -1 or branch.max() >= table.points:
+        return f"branch points outside the {table.points} nodes"
+    if s.patches and node.shape[0] != table.points * (1 + PATCH_ROWS):
+        return f"{node.shape[0]} rows of node are no nodes with their patches"
     if not np.isfinite(node).all():
         return "a node is not a finite number"
     return ""
@@ -256,12 +268,12 @@ def check_expected(table, path, expect):
     """Raise an InputError that says what else the table in `path` was built for."""
     for key in expect.matters:
         found, wanted = getattr(table.settings, key), getattr(expect.settings, key)
-        if not math.isclose(found, wanted, rel_tol=SAME):
-            option, unit, factor = OPTIONS[key]
+        option, unit, factor = OPTIONS[key]
+        if found != wanted and (factor is None or not math.isclose(found, wanted, rel_tol=SAME)):
             raise InputError(
                 path,
-                f"was built for {option[2:]} {found * factor:.10g} {unit}".rstrip()
-                + f", needed: {wanted * factor:.10g} {unit}".rstrip()
+                f"was built for {option[2:]} {in_units(key, found)} {unit}".rstrip()
+                + f", needed: {in_units(key, wanted)} {unit}".rstrip()
                 + f"; build it again: {expect.rebuild(path)}",
             )
     for kind in ("wheel", "rail"):

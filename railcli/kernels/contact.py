@@ -8,7 +8,8 @@ from math import atan, isfinite, sqrt
 
 from .creep import forces_and_jacobian
 from .jit import kernel
-from .layout import MAX_CONTACT, NODE_CHANNELS, Node, Status
+from .kalker import stiffness
+from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Press, Status
 from .rows import mix
 from .vec3 import add, cross, dot, get, scale
 
@@ -28,6 +29,12 @@ F22 = Node.F22.value
 F23 = Node.F23.value
 F33 = Node.F33.value
 REGION = Node.REGION.value
+PRESS_HERTZ = Press.HERTZ.value
+PRESS_SEMI_X = Press.SEMI_X.value
+PRESS_SEMI_Y = Press.SEMI_Y.value
+PRESS_LATERAL = Press.LATERAL.value
+PRESS_SLOPE = Press.SLOPE.value
+PRESS_RADIUS = Press.RADIUS.value
 PART = Node.GAP_YAW2.value  # of a sample: weight of the corners that have the branch, 1 where it does not end
 
 
@@ -71,7 +78,7 @@ def total(w, u):
 def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
     """All branches of a contact table that are loaded when the wheel's reference point is at z = depth.
 
-    sample : (MAX_CONTACT, NODE_CHANNELS) filled from the flange to the field side, with GAP replaced by the
+    sample : (SAMPLE_ROWS, NODE_CHANNELS) filled from the flange to the field side, with GAP replaced by the
         penetration depth - D [m] and GAP_YAW2 by the branch's part in the cell (PART).
     Returns the number of loaded branches; -1 when the pose is off the table or not a number; more than MAX_CONTACT
     when sample could not hold them.
@@ -123,8 +130,59 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
         if p > 0.0:
             sample[out, GAP] = p
             sample[out, PART] = weight
+            if table["patch_base"] >= 0:
+                press(table, node, n, w, share, p, sample, out)
             count += 1
     return count
+
+
+@kernel
+def pressed_value(sample, k, channel, share, t):
+    """A channel of the mixed patch rows between penetrations k and k + 1."""
+    low, high = k * PRESS_CHANNELS + channel, (k + 1) * PRESS_CHANNELS + channel
+    below = sample[MAX_CONTACT + low // NODE_CHANNELS, low % NODE_CHANNELS]
+    above = sample[MAX_CONTACT + high // NODE_CHANNELS, high % NODE_CHANNELS]
+    return share * (below + t * (above - below))
+
+
+@kernel
+def press(table, node, n, w, share, p, sample, out):
+    """Replace Hertz's ellipse at the rigid contact point by the patch at penetration p (theory.md section 6.5).
+
+    Linear in sqrt(p) between PATCH_PENETRATIONS, whose last and first hold beyond them.
+    n, w, share : nodes of the corners, their weights, and what scales the weights to a sum of one.
+    """
+    base = table["node_base"]
+    at = base + table["patch_base"]
+    first = (
+        at + PATCH_ROWS * (n[0] - base), at + PATCH_ROWS * (n[1] - base), at + PATCH_ROWS * (n[2] - base),
+        at + PATCH_ROWS * (n[3] - base), at + PATCH_ROWS * (n[4] - base), at + PATCH_ROWS * (n[5] - base),
+        at + PATCH_ROWS * (n[6] - base), at + PATCH_ROWS * (n[7] - base),
+    )  # fmt: skip
+    second = (
+        first[0] + 1, first[1] + 1, first[2] + 1, first[3] + 1,
+        first[4] + 1, first[5] + 1, first[6] + 1, first[7] + 1,
+    )  # fmt: skip
+    third = (
+        first[0] + 2, first[1] + 2, first[2] + 2, first[3] + 2,
+        first[4] + 2, first[5] + 2, first[6] + 2, first[7] + 2,
+    )  # fmt: skip
+    mix(node, first, w, sample, MAX_CONTACT)
+    mix(node, second, w, sample, MAX_CONTACT + 1)
+    mix(node, third, w, sample, MAX_CONTACT + 2)
+    k = 0
+    while k < len(PATCH_PENETRATIONS) - 2 and p > PATCH_PENETRATIONS[k + 1]:
+        k += 1
+    low, high = sqrt(PATCH_PENETRATIONS[k]), sqrt(PATCH_PENETRATIONS[k + 1])
+    t = min(max((sqrt(p) - low) / (high - low), 0.0), 1.0)
+    a, b = pressed_value(sample, k, PRESS_SEMI_X, share, t), pressed_value(sample, k, PRESS_SEMI_Y, share, t)
+    f11, f22, f23, f33 = stiffness(a, b, table["shear"], table["poisson"])
+    sample[out, HERTZ] = pressed_value(sample, k, PRESS_HERTZ, share, t)
+    sample[out, SEMI_X], sample[out, SEMI_Y] = a, b
+    sample[out, F11], sample[out, F22], sample[out, F23], sample[out, F33] = f11, f22, f23, f33
+    sample[out, LATERAL] = pressed_value(sample, k, PRESS_LATERAL, share, t)
+    sample[out, SLOPE] = pressed_value(sample, k, PRESS_SLOPE, share, t)
+    sample[out, RADIUS] = pressed_value(sample, k, PRESS_RADIUS, share, t)
 
 
 @kernel

@@ -17,6 +17,9 @@ MAX_CONTACT = 6  # contact patches kept per wheel: four branches, and more where
 CURVE_KNOTS = 32
 NODE_CHANNELS = 16
 PATH_ORDER = 8
+PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
+PATCH_ROWS = 3  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
+SAMPLE_ROWS = MAX_CONTACT + PATCH_ROWS
 
 
 class Status(IntEnum):
@@ -153,6 +156,9 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("cell_base", "i8"),  # where its cells begin in Model.cell
         ("branch_base", "i8"),  # where its branches begin in Model.branch
         ("node_base", "i8"),  # where its nodes begin in Model.node
+        ("patch_base", "i8"),  # where the patches of its nodes begin, counted from there; -1: Hertz's ellipses
+        ("shear", "f8"),  # shear modulus of wheel and rail [Pa]
+        ("poisson", "f8"),  # [-]
     ],
     align=True,
 )
@@ -177,6 +183,20 @@ class Node(IntEnum):
     F23 = 13  # f23 / d^1.5 [N/m^0.5]
     F33 = 14  # f33 / d^2 [N]
     REGION = 15  # part of the wheel profile, Region
+
+
+class Press(IntEnum):
+    """What the patch rows of a node hold for each penetration, in this order (theory.md section 6.5)."""
+
+    HERTZ = 0  # N / d^1.5, d the penetration times the cosine of the contact angle below [N/m^1.5]
+    SEMI_X = 1  # a / d^0.5 [m^0.5]
+    SEMI_Y = 2  # b / d^0.5 [m^0.5]
+    LATERAL = 3  # profile coordinate of the resultant [m]
+    SLOPE = 4  # tangent of its contact angle [-]
+    RADIUS = 5  # distance of its place from the axle [m]
+
+
+PRESS_CHANNELS = len(Press)
 
 
 class Region(IntEnum):
@@ -254,7 +274,7 @@ class Model(NamedTuple):
     curve: np.ndarray  # (n_curve,) CURVE
     wheel: np.ndarray  # (n_wheel,) WHEEL; both wheels of a wheelset adjoin
     table: np.ndarray  # (n_table,) TABLE
-    node: np.ndarray  # (n_node, NODE_CHANNELS)
+    node: np.ndarray  # (n_node, NODE_CHANNELS); behind a table's nodes their patches, if any
     cell: np.ndarray  # (n_cell + 1,) first branch of each cell
     branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
 
@@ -273,7 +293,7 @@ class Data(NamedTuple):
     frame: np.ndarray  # derived: (n_body,) FRAME
     damper_rate: np.ndarray  # derived: (n_state,) [m/s]
     load: np.ndarray  # derived: (n_body, 6) M dv/dt: force in track axes, moment in own axes [N, N m]
-    sample: np.ndarray  # derived: (MAX_CONTACT, NODE_CHANNELS) table values of the wheel at hand
+    sample: np.ndarray  # derived: (SAMPLE_ROWS, NODE_CHANNELS) table values of the wheel at hand
     contact: np.ndarray  # derived: (n_wheel, MAX_CONTACT) CONTACT
     rail: np.ndarray  # derived: (n_wheel,) RAIL
     creep_damping: np.ndarray  # derived: (n_body, 6, 6) -d load / d v of the creep forces
@@ -372,7 +392,7 @@ def new_data(model, q, n_damper):
         frame=np.zeros(n_body, FRAME),
         damper_rate=np.zeros(n_damper),
         load=np.zeros((n_body, 6)),
-        sample=np.zeros((MAX_CONTACT, NODE_CHANNELS)),
+        sample=np.zeros((SAMPLE_ROWS, NODE_CHANNELS)),
         contact=np.zeros((n_wheel, MAX_CONTACT), CONTACT),
         rail=np.zeros(n_wheel, RAIL),
         creep_damping=np.zeros((n_body, 6, 6)),

@@ -8,9 +8,10 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import TABLE
+from railcli.kernels.layout import PATCH_ROWS, TABLE
 
 from .profile import TAPE_TO_BACK
+from .submodels import NORMAL_LAWS, choose
 
 VERSION = 1  # of the table's meaning; a table of another version is refused
 
@@ -57,6 +58,8 @@ class TableSettings:
     pressed : float
         0: contact points of rigid profiles. Else quasi-elastic: the places of greatest approach when the wheel is
         pressed in by this much beyond first touch, which turns jumps between conforming arcs into fast motions [m].
+    normal : str
+        Patches: a name of `submodels.NORMAL_LAWS`.
     """
 
     inclination: float = 20.0
@@ -73,6 +76,7 @@ class TableSettings:
     poisson: float = 0.28
     curvature_window: float = 2.0e-3
     pressed: float = 0.0
+    normal: str = "hertz"
 
     def __post_init__(self):
         for key, (low, high, unit) in LIMITS.items():
@@ -83,6 +87,14 @@ class TableSettings:
             raise InputError(
                 "contact table: inclination", f"1:n needs n of 5 ... 1000, or 0 for upright; got {self.inclination:g}"
             )
+        choose(NORMAL_LAWS, "contact table: normal", self.normal)
+        if self.patches and self.pressed:
+            raise InputError("contact table: pressed", f"must be 0 with normal {self.normal}, which presses by itself")
+
+    @property
+    def patches(self):
+        """True when the table holds non-Hertzian patches."""
+        return NORMAL_LAWS[self.normal].value
 
     @property
     def lateral(self):
@@ -180,8 +192,9 @@ class ContactTable:
         The profiles it was built from.
     method : str
         "simplex" or "locus".
-    node : array (n_node, NODE_CHANNELS)
-        Contact points at grid poses, channels as `kernels.layout.Node`.
+    node : array (n_row, NODE_CHANNELS)
+        Contact points at grid poses, channels as `kernels.layout.Node`; with `settings.patches` behind them PATCH_ROWS
+        rows for each, as `kernels.layout.Press`.
     cell : int32 array (n_cell + 1,)
         First branch of each cell, cells ordered roll, yaw^2, y (fastest).
     branch : int32 array (n_branch, 8)
@@ -203,6 +216,11 @@ class ContactTable:
             getattr(self, key).flags.writeable = False
 
     @property
+    def points(self):
+        """Number of contact points."""
+        return self.node.shape[0] // (1 + PATCH_ROWS) if self.settings.patches else self.node.shape[0]
+
+    @property
     def record(self):
         """The TABLE record of this table alone, as a pool of one."""
         s = self.settings
@@ -213,10 +231,18 @@ class ContactTable:
                     -s.roll_step * (s.roll_count // 2), s.roll_step, s.roll_count,
                     s.yaw_range**2 / (s.yaw_count - 1), s.yaw_count,
                     0, 0, 0,
+                    self.points if s.patches else -1, 0.5 * s.young / (1.0 + s.poisson), s.poisson,
                 )
             ],
             dtype=TABLE,
         )  # fmt: skip
+
+    @property
+    def rigid_record(self):
+        """The TABLE record with rigid contact points and Hertz's ellipses, patches or not."""
+        record = self.record
+        record["patch_base"] = -1
+        return record
 
     @property
     def key(self):

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
 from .profile import TAPE_TO_BACK
-from .submodels import CREEP_LAWS
+from .submodels import CREEP_LAWS, NORMAL_LAWS
 from .track import MARGIN, Track
 from .vehicle import Vehicle
 
@@ -60,6 +60,7 @@ class Contact(Description):
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
     damping: Annotated[NotNegative, Field(le=100.0)] = Field(2.0, alias="damping_s_per_m")
     pressed: Annotated[NotNegative, Field(le=1e-3)] = Field(0.0, alias="pressed_m")
+    normal: one_of(NORMAL_LAWS) = "hertz"
 
     @model_validator(mode="after")
     def _fits_together(self):

@@ -29,6 +29,17 @@ CREEP_LAWS = {
     ),
 }
 
+NORMAL_LAWS = {  # value: whether the contact table holds patches
+    "hertz": Choice(
+        False, "Hertz's ellipse from the curvatures at the rigid contact point", "Hertz (1882); Johnson (1985)"
+    ),
+    "kp": Choice(
+        True,
+        "virtual penetration: patch, place and stiffness follow the profiles over the whole patch",
+        "Kik and Piotrowski (2008), Vehicle System Dynamics 46, 27-48; corrected to be Hertz's for constant curvature",
+    ),
+}
+
 # A transition goes from its first to its last value of curvature and cant as this polynomial does from 0 to 1.
 TRANSITIONS = {
     "clothoid": Choice((0.0, 1.0, 0.0, 0.0), "linear in length", "EN 13803"),

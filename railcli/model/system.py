@@ -60,6 +60,7 @@ def table_settings(scenario, radius):
         young=contact.young,
         poisson=contact.poisson,
         pressed=contact.pressed,
+        normal=contact.normal,
     )
 
 

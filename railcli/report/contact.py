@@ -64,7 +64,7 @@ def summary(table, certificate, size, cpu_s=None):
         ("material", f"E = {s.young / 1e9:g} GPa, Poisson's ratio {s.poisson:g}"),
         ("grid", grid),
         ("wheel positions", f"{s.positions:,}"),
-        ("contact points", f"{table.node.shape[0]:,} in {table.branch.shape[0]:,} branches"),
+        ("contact points", f"{table.points:,} in {table.branch.shape[0]:,} branches"),
         (
             "curvature",
             f"averaged over {s.curvature_window * 1e3:g} mm of arc; difference of wheel and rail at least "
