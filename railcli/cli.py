@@ -7,6 +7,7 @@ import click
 from railcli import __version__
 from railcli.commands.build_lut import build_lut
 from railcli.commands.conicity import conicity
+from railcli.commands.contact import contact
 from railcli.commands.profile import profile
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
@@ -78,5 +79,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, conicity, run, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, run, rt_bench, validate):
     main.add_command(_command)

@@ -172,3 +172,21 @@ PATCH_PLACE = 0.12e-3  # [m] measured 0.09
 PATCH_GRID = 0.01  # of the force: 27 by 37 elements against Hertz's closed form
 PATCH_NODE = 1e-6  # places of the grid, and D at a node; interpolation adds rounding only
 PATCH_BETWEEN = 0.01  # straight lines in sqrt(p) between 25 and 60 um; measured 0.004
+
+# --- Patches of a loaded wheelset ---
+LONE_PATCH = 1e-9  # relative: exact arcs, depth solved to 1e-13 m of 1e-4 m; measured 4e-11
+POLYGON = 5e-4  # relative: 120 chords enclose 1 - (2 pi / 120)^2 / 6 of an ellipse
+LOAD_BORNE = 1e-8  # relative: depth solved to 1e-13 m of 1e-4 m; measured 1e-9
+UNLOADED_PLACE = 1e-7  # [m, rad] 1e-3 N presses a wheel in by 1e-9 m; measured 2e-8
+TABLE_FORCE = 0.01  # of the load: distances of a table err by 1 micrometre of 80 (p99) at worst; measured 0.005
+TABLE_PLACE = 3e-5  # [m] places of a table are interpolated linearly; measured 7e-6
+
+# --- Contact benchmark ---
+BENCH_LOAD = 1e-9  # the height is found to 1e-14 m, times a stiffness of 1e9 N/m at most
+BENCH_MOMENT = 1e-5  # [N m] the same times the radius, and the spin found to 1e-13 rad/s, times 1e6 N m s/rad
+BENCH_ROLL = 1e-11  # [rad] found to 1e-12
+BENCH_MIRROR = 1e-6  # relative, and [m]: a roll off by 1e-12 moves heights by 1e-12 m of some 1e-5
+BENCH_PLACE = 1e-6  # [m, -] interpolation over cells of 1 mm of a round rail
+BENCH_SPIN_PULL = 1e-3  # of the friction limit: rotation by spin over a wheel of 1:20 leaves no pull but its own share
+PRINTED_FORCES = 6e-3  # angles printed to 0.01 degrees and four digits of forces, on a flange of 61 degrees
+BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 mrad; measured 3.3e-6

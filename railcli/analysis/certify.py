@@ -24,6 +24,24 @@ def random_poses(settings, count, seed=SEED):
     return random.uniform(-half, half, (count, 3))
 
 
+def direct_minima(mounting, pose, station):
+    """Minima of the difference surface at one pose by the closed-form locus on given stations.
+
+    Returns
+    -------
+    array (n, 6)
+        As `kernels.difference.minima` says.
+    """
+    y, roll, yaw = pose
+    found = np.zeros((16, 6))
+    scratch = np.empty((station.size, 3))
+    total, _ = minima(
+        1, mounting.pressed, y, *wheel_axes(roll, yaw), *mounting.kernel_arguments, station,
+        scratch, scratch, scratch, np.empty(station.size), np.empty(station.size), found,
+    )  # fmt: skip
+    return found[: min(total, 16)]
+
+
 def direct_contacts(mounting, pose, station):
     """Contact points of one pose by the closed-form locus on fine stations.
 
@@ -35,14 +53,8 @@ def direct_contacts(mounting, pose, station):
     y, roll, yaw = pose
     e, f, d = wheel_axes(roll, yaw)
     arguments = mounting.kernel_arguments
-    found = np.zeros((16, 6))
-    scratch = np.empty((station.size, 3))
-    total, _ = minima(
-        1, mounting.pressed, y, e, f, d, *arguments, station, scratch, scratch, scratch,
-        np.empty(station.size), np.empty(station.size), found,
-    )  # fmt: skip
     rows = []
-    for s, gap, gauge, field, *_ in found[: min(total, 16)]:
+    for s, gap, gauge, field, *_ in direct_minima(mounting, pose, station):
         _, _, slope = slope_difference(s, y, e, f, d, *arguments)
         radius = locus(s, e, f, d, mounting.radius, mounting.wheel, mounting.wheel_start, mounting.wheel_step)[3]
         rows.append((s, gap, -np.arctan(slope), radius, min(gauge, field)))

@@ -5,22 +5,14 @@ cone whose motion has the same wavelength.
 """
 
 import math
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
-from railcli.errors import InputError
-from railcli.kernels.contact import enter
-from railcli.kernels.difference import locus, wheel_axes
-from railcli.model.contact_table import Mounting, mount
+from .build_table import wheel_regions
+from .rigid_contact import COLUMNS, Wheelset, contact_at
 
-from .build_table import stations, wheel_regions
-from .certify import direct_contacts
-from .rigid_contact import LARGEST_ROLL, ROLL_ACCURACY, SIDES
-
-STATION = 0.1e-3  # of the direct search along the contact locus [m]
 GRID = 0.05e-3  # lateral positions to begin with [m]
 MOVE = 0.2e-3  # of a contact on its wheel between two lateral positions, beyond which one is put between them [m]
 CHORD = 0.1e-6  # the same for delta-r in the middle of two against their mean [m]
@@ -28,63 +20,6 @@ JUMP_WIDTH = 1e-9  # a jump is located to this in y [m]
 GAUSS = 4  # points per interval of the quadrature
 CENTRES = 401  # trial centres of a swing; of several the one nearest to the middle of the track is taken
 ROUNDING = 1e-12  # of the lateral potential, relative
-
-COLUMNS = ("s_right", "s_left", "rail_right", "rail_left", "angle_right", "angle_left", "r_right", "r_left", "roll")
-
-
-@dataclass(frozen=True)
-class Wheelset:
-    """A wheelset over its track.
-
-    Attributes
-    ----------
-    right, left : Mounting
-        Each in the axes of a right-hand wheel; the same object when both sides are alike.
-    lateral : float
-        Distance of the tape circles from the middle of the wheelset [m].
-    """
-
-    right: Mounting
-    left: Mounting
-    lateral: float
-
-    @property
-    def base(self):
-        """Distance e of the tape circles, which stands for that of the contact circles [m]."""
-        return 2.0 * self.lateral
-
-    @property
-    def radius(self):
-        """Mean radius r0 of the tape circles [m]."""
-        return 0.5 * (self.right.radius + self.left.radius)
-
-    @property
-    def alike(self):
-        return self.left is self.right
-
-
-def wheelset_on(settings, wheel, rail, left_wheel=None, left_rail=None, left_radius=None):
-    """Mount a wheelset over a track; what is not given on the left is as on the right.
-
-    Parameters
-    ----------
-    settings : TableSettings
-        Gauge, flange-back, inclination, radius.
-    wheel, rail, left_wheel, left_rail : Profile
-        All in the axes of right-hand profiles: y to the field side.
-    left_radius : float
-        [m]
-
-    Returns
-    -------
-    Wheelset
-    """
-    right = mount(wheel, rail, replace(settings, pressed=0.0))
-    if left_wheel is None and left_rail is None and left_radius is None:
-        return Wheelset(right, right, settings.lateral)
-    radius = settings.radius if left_radius is None else left_radius
-    left = mount(left_wheel or wheel, left_rail or rail, replace(settings, pressed=0.0, radius=radius))
-    return Wheelset(right, left, settings.lateral)
 
 
 @dataclass(frozen=True)
@@ -140,7 +75,7 @@ class Rolling:
         return motion.centre - motion.amplitude <= left or motion.centre + motion.amplitude >= right
 
 
-def rolling(wheelset, reach, with_roll=False, progress=None):
+def rolling(wheelset, reach, with_roll=False, progress=None, yaw=0.0):
     """Follow the contacts of a rigid wheelset over its lateral position.
 
     Every position is a direct search along the closed-form contact locus. Between two positions more are put until
@@ -156,12 +91,14 @@ def rolling(wheelset, reach, with_roll=False, progress=None):
         Roll the wheelset until both wheels touch; without, it stays level, as EN 15302 neglects its roll.
     progress : callable, optional
         Called with the share done, 0 ... 1.
+    yaw : float
+        [rad]
 
     Returns
     -------
     Rolling
     """
-    contact = _rolled(wheelset) if with_roll else _level(wheelset)
+    contact = contact_at(wheelset, with_roll, yaw)
     start = 0.0 if wheelset.alike else -reach
     grid = np.linspace(start, reach, max(2, round((reach - start) / GRID) + 1))
     rows = [(grid[0], contact(grid[0]))]
@@ -204,60 +141,6 @@ def _mirrored(y, values):
         np.concatenate([-y[:0:-1], y]),
         {key: np.concatenate([other[key][:0:-1], values[key]]) for key in COLUMNS},
     )
-
-
-def _stations(mounting):
-    low, high = stations(mounting)[[0, -1]]
-    return np.arange(low, high, STATION)
-
-
-def _touch(mounting, station, pose):
-    """Deepest contact of one wheel: on the wheel, on the rail, angle, radius, and D [m, rad]."""
-    found = direct_contacts(mounting, pose, station)
-    if found.shape[0] == 0:
-        raise InputError("contact geometry", f"at y = {pose[0] * 1e3:g} mm no part of the wheel touches the rail")
-    s, depth, angle, radius, _ = found[np.argmin(found[:, 1])]
-    across = locus(s, *wheel_axes(*pose[1:]), mounting.radius, *mounting.kernel_arguments[2:5])[0]
-    return s, pose[0] + mounting.seat + across, angle, radius, depth
-
-
-def _paired(right, left, roll):
-    return (right[0], left[0], right[1], left[1], right[2], left[2], right[3], left[3], roll)
-
-
-def _level(wheelset):
-    """Contacts of a wheelset without roll: each wheel for itself."""
-
-    def of(mounting):
-        station = _stations(mounting)
-        return cache(lambda across: _touch(mounting, station, (across, 0.0, 0.0)))
-
-    right = of(wheelset.right)
-    left = right if wheelset.alike else of(wheelset.left)
-    return lambda y: _paired(right(y), left(-y), 0.0)
-
-
-def _rolled(wheelset):
-    """Contacts of a wheelset that rolls until both wheels touch."""
-    mountings = (wheelset.right, wheelset.left)
-    station = [_stations(mounting) for mounting in mountings]
-
-    def side(k, y, roll):
-        mounting = mountings[k]
-        across, depth = enter(SIDES[k], wheelset.lateral, mounting.radius, y, 0.0, math.sin(roll), math.cos(roll), 1.0)
-        contact = _touch(mounting, station[k], (across, SIDES[k] * roll, 0.0))
-        return contact, depth - contact[4]
-
-    def contact(y):
-        def apart(roll):
-            return side(0, y, roll)[1] - side(1, y, roll)[1]
-
-        if not apart(-LARGEST_ROLL) < 0.0 < apart(LARGEST_ROLL):
-            raise InputError("contact geometry", f"at y = {y * 1e3:g} mm no roll lets both wheels touch")
-        roll = brentq(apart, -LARGEST_ROLL, LARGEST_ROLL, xtol=ROLL_ACCURACY)
-        return _paired(side(0, y, roll)[0], side(1, y, roll)[0], roll)
-
-    return contact
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import numpy as np
 from railcli.model.contact_table import TableSettings
 from railcli.model.profile import Profile
 
-from .conicity import Rolling, Wheelset, conicity, rolling, swing, wheelset_on
+from .conicity import Rolling, conicity, rolling, swing
+from .rigid_contact import Wheelset, wheelset_on
 
 COMBINATIONS = {"A/A": ("wheel_a", "rail_a"), "H/A": ("wheel_h", "rail_a")}
 LATERAL = 0.750  # origins of the standard's profiles from the middle [m]

@@ -102,3 +102,56 @@ def conicity(no_figures, output_format, output, overwrite, quiet):
     if not result.accepted:
         missed = [row.name for row in result.rows if row.counts and not row.kept]
         raise CheckError(f"validate conicity: rejected ({'; '.join(missed)})")
+
+
+@validate.command(short_help="Hertz, Kalker, creep laws and the Manchester contact benchmark.")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@results_options
+def contact(no_figures, output_format, output, overwrite, quiet):
+    """Compare the wheel-rail contact with closed forms, with CONTACT and with the Manchester contact benchmark.
+
+    Hertz's solution, Kalker's coefficients, every creep law, and case A-2.2 of the benchmark with every combination of
+    normal and creep law. Builds or reuses the benchmark's contact tables, prints deviations beside the spread that is
+    known of other methods, criteria and the verdict, and writes validation.md, .json, .csv and figures. Exit code 0:
+    accepted, 4: not.
+
+    Example: railcli validate contact -o my-validation
+    """
+    from railcli.analysis.contact_check import compare_contact
+    from railcli.analysis.warm import warm
+    from railcli.errors import CheckError
+    from railcli.files.contact_reference import benchmark_tables, benchmark_wheelset, contact_criteria, published
+    from railcli.files.output import json_text, results_folder, write_json, write_text
+    from railcli.files.progress import Progress
+    from railcli.files.provenance import provenance
+    from railcli.report import contact_figures
+    from railcli.report import contact_validation as report
+
+    def announce(text):
+        if not quiet:
+            click.echo(text, err=True)
+
+    reference, criteria = published(), contact_criteria()
+    with results_folder("validate", "contact", output, overwrite) as folder:
+        warm(announce)
+        tables = benchmark_tables(quiet, announce)
+        with Progress("Validate", 100, "%", quiet) as progress:
+            result = compare_contact(
+                reference, criteria, benchmark_wheelset(), tables,
+                lambda share, text: progress.update(round(100 * share), text),
+            )  # fmt: skip
+        origin = provenance(tables=tuple(tables.values()))
+        record, sections = report.as_json(result, origin), report.report(result)
+        write_json(folder / "validation.json", record)
+        write_text(folder / "validation.csv", report.csv(result))
+        write_text(folder / "validation.md", report.markdown(sections, result, origin, figures=not no_figures))
+        if not no_figures:
+            contact_figures.figures(result, folder)
+    if output_format == "json":
+        click.echo(json_text(record))
+    else:
+        click.echo(report.terminal(sections, result))
+        click.echo(f"Written to {folder}")
+    if not result.accepted:
+        missed = [row.name for row in result.rows if row.counts and not row.kept]
+        raise CheckError(f"validate contact: rejected ({'; '.join(missed)})")

@@ -3,30 +3,14 @@
 import math
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 
-from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
+from . import wheelset
+from .figures import BLUE, GREEN, GREY, VERMILION, draw
 from .text import columns, facts
 
-SIDES = (("right", BLUE, "-"), ("left", VERMILION, "--"))
-LIFT = 20.0  # the wheel is drawn this far above its rail [mm]
 SHOWN = 2.0  # conicity beyond this is cut off in the picture [-]
 MOST_JUMPS = 8  # printed
 TABLE_MM = (2.0, 3.0, 4.0, 5.0, 6.0, 7.0)  # amplitudes of the comparison that are printed
-
-
-def title(names, inclination, settings, left_radius, with_roll):
-    """`ORES1002 on UIC60, inclination 1:40, ...`"""
-    radius = f"{settings.radius * 1e3:g}"
-    if left_radius is not None:
-        radius += f" (left {left_radius * 1e3:g})"
-    left = [names[key] for key in ("left_wheel", "left_rail") if key in names]
-    return (
-        f"{names['wheel']} on {names['rail']}{', left ' + ' on '.join(left) if left else ''}, "
-        f"inclination {inclination}, gauge {settings.gauge * 1e3:g} mm, flange-back {settings.flange_back * 1e3:g} mm, "
-        f"radius {radius} mm, {'with' if with_roll else 'without'} roll"
-    )
 
 
 def summary(title, contact, motions, curves):
@@ -171,93 +155,54 @@ def plot(title, contact, motions, path):
         grid = figure.add_gridspec(3, 2, height_ratios=(0.62, 1.0, 1.0))
         sides = [figure.add_subplot(grid[0, k]) for k in (0, 1)]
         for axis, side in zip(sides, ("left", "right"), strict=True):
-            colours = _profiles(axis, contact, side)
-        figure.colorbar(colours, ax=sides, aspect=12, label="y of the wheelset [mm]")
-        y = contact.y * 1e3
-        axis = figure.add_subplot(grid[1, 0])
-        _function(axis, contact, contact.radius_difference * 1e3, "Rolling radius difference, right less left")
-        axis.set_ylabel("$\\Delta r$ [mm]")
-        _conicity(figure.add_subplot(grid[1, 1]), contact, motions)
+            wheelset.profiles(axis, contact, side)
+            axis.set_title(f"{side.capitalize()} wheel, drawn {wheelset.LIFT:g} mm above its rail")
+        figure.colorbar(wheelset.colours_of(contact), ax=sides, aspect=12, label="y of the wheelset [mm]")
+        wheelset.radius_difference(figure.add_subplot(grid[1, 0]), contact)
+        curves = (
+            (motions, "conicity", "integrated", BLUE, "-"),
+            (motions, "linearised", "harmonic linearisation", GREEN, "--"),
+        )
+        amplitudes = [motion.amplitude for motion in motions]
+        conicity_curves(figure.add_subplot(grid[1, 1]), contact, amplitudes, curves)
         axis = figure.add_subplot(grid[2, 0])
-        for side, colour, line in SIDES:
-            values = np.degrees(contact.values[f"angle_{side}"])
-            axis.plot(*_broken(contact, values), color=colour, linestyle=line, label=f"{side} wheel")
-        axis.set_title("Contact angles")
-        axis.set_ylabel("contact angle [degrees]")
-        axis.set_xlabel("lateral position y of the wheelset, to the right [mm]")
-        axis.set_xlim(y[0], y[-1])
-        axis.legend(loc="upper center")
+        wheelset.over_y(axis, contact, "Contact angles", "contact angle [degrees]")
+        wheelset.both_sides(axis, contact, "angle", np.degrees)
         axis = figure.add_subplot(grid[2, 1])
-        _function(axis, contact, contact.angle_difference, "Slope difference of the contact planes, right less left")
-        axis.set_ylabel("$\\tan\\gamma_R - \\tan\\gamma_L$")
+        name = "Slope difference of the contact planes, right less left"
+        wheelset.over_y(axis, contact, name, "$\\tan\\gamma_R - \\tan\\gamma_L$")
+        axis.plot(*wheelset.broken(contact, contact.angle_difference), color=BLUE)
 
     draw(paint, path, (12.0, 11.0))
 
 
-def _broken(contact, values):
-    """y [mm] and values with a gap at each jump."""
-    after = contact.jumps + 1
-    return np.insert(contact.y * 1e3, after, np.nan), np.insert(values, after, np.nan)
+def conicity_curves(axis, contact, amplitudes, curves):
+    """Draw conicity over amplitude; where a swing of the contact reaches a flank is shaded.
 
-
-def _function(axis, contact, values, title):
-    y = contact.y * 1e3
-    axis.plot(*_broken(contact, values), color=BLUE)
-    for i in contact.jumps:
-        axis.plot(y[[i, i + 1]], values[[i, i + 1]], color=BLUE, linewidth=0.8, linestyle=":")
-    for place in contact.clearance:
-        if math.isfinite(place):
-            axis.axvline(place * 1e3, color=ORANGE, linewidth=0.9, linestyle="--")
-            axis.text(place * 1e3, 0.02, " flange", color=ORANGE, fontsize=8, transform=axis.get_xaxis_transform())
-    axis.set_title(title)
-    axis.set_xlabel("lateral position y of the wheelset, to the right [mm]")
-    axis.set_xlim(y[0], y[-1])
-
-
-def _conicity(axis, contact, motions):
-    amplitude = np.array([motion.amplitude for motion in motions]) * 1e3
-    exact = np.array([motion.conicity for motion in motions])
-    linear = np.array([motion.linearised for motion in motions])
-    axis.plot(amplitude, exact, color=BLUE, label="integrated")
-    axis.plot(amplitude, linear, color=GREEN, linestyle="--", label="harmonic linearisation")
-    beyond = amplitude[[contact.reaches_flank(motion) for motion in motions]]
+    Parameters
+    ----------
+    axis : Axes
+    contact : Rolling
+    amplitudes : sequence of float
+        [m]
+    curves : sequence of (sequence of Swing, str, str, str, str)
+        Motions, name of their value, label, colour and line.
+    """
+    amplitude = np.array(amplitudes) * 1e3
+    top = 0.0
+    for motions, name, label, colour, line in curves:
+        values = np.array([getattr(motion, name) for motion in motions])
+        axis.plot(amplitude, values, color=colour, linestyle=line, label=label)
+        top = np.nanmax([top, *values])
+    beyond = amplitude[[contact.reaches_flank(motion) for motion in curves[0][0]]]
     if beyond.size:
-        axis.axvspan(beyond[0], amplitude[-1], color=ORANGE, alpha=0.12, label="beyond the flange")
+        axis.axvspan(beyond[0], amplitude[-1], color=GREY, alpha=0.15, linewidth=0.0, label="beyond the flange")
     axis.set_title("Equivalent conicity")
     axis.set_xlabel("amplitude [mm]")
     axis.set_ylabel("$\\tan\\gamma_e$")
     axis.set_xlim(amplitude[0], amplitude[-1])
-    top = np.nanmax(np.concatenate([exact, linear, [0.0]]))
     axis.set_ylim(0.0, min(SHOWN, 1.05 * top) if top > 0.0 else 1.0)
     axis.legend(loc="upper left")
-
-
-def _profiles(axis, contact, side):
-    """One wheel lifted off its rail, and lines between the points that touch at each mm of y; returns the colours."""
-    mounting = getattr(contact.wheelset, side)
-    sign = 1.0 if side == "right" else -1.0
-    s = 1e3 * (mounting.wheel_start + mounting.wheel_step * np.arange(mounting.wheel.shape[0]))
-    across = 1e3 * (mounting.rail_start - mounting.seat + mounting.rail_step * np.arange(mounting.rail.shape[0]))
-    wheel, rail = 1e3 * mounting.wheel[:, 0] - LIFT, 1e3 * mounting.rail[:, 0]
-    reach = math.floor(contact.y[-1] * 1e3 + 1e-6)
-    colours = ScalarMappable(Normalize(-reach, reach), "turbo")
-    for whole in range(-reach, reach + 1):
-        i = int(np.argmin(np.abs(contact.y - whole * 1e-3)))
-        on_wheel = 1e3 * contact.values[f"s_{side}"][i]
-        on_rail = 1e3 * (contact.values[f"rail_{side}"][i] - mounting.seat)
-        axis.plot(
-            [sign * on_wheel, sign * on_rail],
-            [np.interp(on_wheel, s, wheel), np.interp(on_rail, across, rail)],
-            color=colours.to_rgba(whole), linewidth=1.0, marker="o", markersize=3,
-        )  # fmt: skip
-    axis.plot(sign * s, wheel, color="black", linewidth=1.4, zorder=1)
-    axis.plot(sign * across, rail, color="black", linewidth=1.4, zorder=1)
-    axis.set_aspect("equal")
-    axis.set_ylim(max(wheel.max(), rail.max()) + 3.0, wheel.min() - 3.0)
-    axis.set_title(f"{side.capitalize()} wheel, drawn {LIFT:g} mm above its rail")
-    axis.set_xlabel("from the tape circle, to the right [mm]")
-    axis.set_ylabel("down [mm]")
-    return colours
 
 
 def validation_lines(result):
@@ -347,7 +292,7 @@ def _against_tables(upper, lower, result, name):
     upper.set_ylabel("$\\tan\\gamma_e$")
     upper.legend(loc="upper left")
     contact, table = result.contact[name], result.tables["2021", name]
-    lower.plot(*_broken(contact, contact.radius_difference * 1e3), color=BLUE, label="railcli")
+    lower.plot(*wheelset.broken(contact, contact.radius_difference * 1e3), color=BLUE, label="railcli")
     lower.plot(table.y * 1e3, table.difference * 1e3, "o", color=VERMILION, markersize=3, label="table, 2021")
     lower.set_xlim(0.0, 7.0)
     lower.set_ylim(-0.3, 12.0)

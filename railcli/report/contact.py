@@ -1,17 +1,17 @@
 """A contact table for readers: its summary, the verdict on its errors, its picture."""
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 
 from railcli.analysis.build_table import wheel_regions
-from railcli.analysis.rigid_contact import rigid_contact
+from railcli.analysis.conicity import rolling
+from railcli.analysis.rigid_contact import wheelset_on
 from railcli.kernels.layout import Node, Region
 from railcli.kernels.tabulate import MIN_CURVATURE
-from railcli.model.contact_table import mount
 
+from . import wheelset
 from .figures import BLUE, GREY, ORANGE, PURPLE, VERMILION, draw
 from .text import columns, facts
+from .wheelset import inclination
 
 QUANTITIES = {  # channel of the certificate: name, unit
     "gap_um": ("distance D", "um"),
@@ -21,13 +21,6 @@ QUANTITIES = {  # channel of the certificate: name, unit
 }
 REGION_COLOURS = {Region.TREAD: BLUE, Region.ROOT: ORANGE, Region.FLANK: VERMILION, Region.TIP: PURPLE}
 SHOWN_Y = 10e-3  # the figure shows lateral positions to both sides up to this [m]
-JUMP = 1e-3  # of the contact between two lateral positions, where a curve is interrupted [m]
-WHEEL_ABOVE_RAIL = 22.0  # so that the lines between the contact points can be seen [mm]
-
-
-def inclination(settings):
-    """`1:20`, or `upright`."""
-    return f"1:{settings.inclination:g}" if settings.inclination else "upright"
 
 
 def title(table):
@@ -110,79 +103,24 @@ def plot(table, wheel, rail, path):
     path : path-like
         File of the figure.
     """
-    mounting = mount(wheel, rail, table.settings)
-    y = np.arange(-SHOWN_Y, SHOWN_Y + 1e-9, 0.05e-3)
-    rigid = rigid_contact(mounting, table.settings.lateral, y)
+    pair = wheelset_on(table.settings, wheel, rail)
+    contact = rolling(pair, SHOWN_Y, with_roll=True)
 
     def paint(figure):
         figure.suptitle(title(table), fontsize=12)
         grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
-        _profiles(figure, figure.add_subplot(grid[0, :]), mounting, rigid)
-        _radius_difference(figure.add_subplot(grid[1, 0]), rigid)
-        _angles(figure.add_subplot(grid[1, 1]), rigid)
-        _branches(figure.add_subplot(grid[1, 2]), table, mounting)
+        axis = figure.add_subplot(grid[0, :])
+        wheelset.profiles(axis, contact, "right", labels=True)
+        axis.set_title(f"Right wheel, drawn {wheelset.LIFT:g} mm above its rail; contact points at each mm of y")
+        bar = figure.colorbar(wheelset.colours_of(contact), ax=axis, shrink=0.85, aspect=30)
+        bar.set_label("lateral position y of the wheelset, to the right [mm]")
+        wheelset.radius_difference(figure.add_subplot(grid[1, 0]), contact)
+        axis = figure.add_subplot(grid[1, 1])
+        wheelset.over_y(axis, contact, "Contact angle, yaw = 0, both wheels touching", "contact angle [degrees]")
+        wheelset.both_sides(axis, contact, "angle", np.degrees)
+        _branches(figure.add_subplot(grid[1, 2]), table, pair.right)
 
     draw(paint, path, (13.0, 9.5))
-
-
-def _profiles(figure, axis, mounting, rigid):
-    """Right-hand profiles, the wheel lifted off its rail, and lines between the points that touch."""
-    s = 1e3 * (mounting.wheel_start + mounting.wheel_step * np.arange(mounting.wheel.shape[0]))
-    across = 1e3 * (mounting.rail_start - mounting.seat + mounting.rail_step * np.arange(mounting.rail.shape[0]))
-    wheel, rail = 1e3 * mounting.wheel[:, 0] - WHEEL_ABOVE_RAIL, 1e3 * mounting.rail[:, 0]
-    colours = ScalarMappable(Normalize(-SHOWN_Y * 1e3, SHOWN_Y * 1e3), "turbo")
-    whole_mm = np.isclose(np.round(1e3 * rigid.y), 1e3 * rigid.y)
-    for i in np.flatnonzero(whole_mm):
-        places = [1e3 * rigid.on_wheel[i, 0], 1e3 * (rigid.on_rail[i, 0] - mounting.seat)]
-        heights = [np.interp(places[0], s, wheel), np.interp(places[1], across, rail)]
-        axis.plot(places, heights, color=colours.to_rgba(1e3 * rigid.y[i]), linewidth=1.2, marker="o", markersize=4)
-    axis.plot(s, wheel, color="black", linewidth=1.6, zorder=1)
-    axis.plot(across, rail, color="black", linewidth=1.6, zorder=1)
-    axis.set_xlim(min(s[0], across[0]) - 3.0, max(s[-1], across[-1]) + 3.0)
-    axis.set_ylim(max(wheel.max(), rail.max()) + 3.0, wheel.min() - 3.0)
-    axis.set_aspect("equal")
-    lifted = f"wheel, drawn {WHEEL_ABOVE_RAIL:g} mm above its place"
-    axis.text(40.0, np.interp(40.0, s, wheel) - 1.5, lifted, ha="center")
-    axis.text(across[-1] + 1.5, rail[-1], "rail")
-    axis.set_title("Right-hand profiles and their contact points, each mm of y")
-    axis.set_xlabel("from the nominal tape circle to the field side [mm]")
-    axis.set_ylabel("down [mm]")
-    bar = figure.colorbar(colours, ax=axis, shrink=0.85, aspect=30, ticks=np.arange(-10, 11, 2))
-    bar.set_label("lateral position y of the wheelset, to the right [mm]")
-
-
-def _broken(y, values, contact):
-    """A curve of y and values with a gap at each jump of the contact."""
-    jumps = 1 + np.flatnonzero(np.any(np.abs(np.diff(contact, axis=0)) > JUMP, axis=1))
-    return np.insert(y, jumps, np.nan), np.insert(values, jumps, np.nan)
-
-
-def _radius_difference(axis, rigid):
-    y, difference = 1e3 * rigid.y, 1e3 * rigid.radius_difference
-    axis.plot(*_broken(y, difference, rigid.on_wheel), color=BLUE)
-    axis.set_title("Rolling radius difference, right less left")
-    axis.set_xlabel("lateral position y of the wheelset [mm]")
-    axis.set_ylabel("$\\Delta r$ [mm]")
-    axis.set_xlim(y[0], y[-1])
-    tread = np.abs(y) <= 5.0
-    inset = axis.inset_axes([0.10, 0.62, 0.38, 0.28])
-    inset.plot(y[tread], difference[tread], color=BLUE)
-    inset.set_title("on the treads", fontsize=8, fontweight="normal")
-    inset.tick_params(labelsize=7)
-    inset.set_xlim(-5.0, 5.0)
-    inset.yaxis.tick_right()
-
-
-def _angles(axis, rigid):
-    y = 1e3 * rigid.y
-    for k, name, colour, line in ((0, "right wheel", BLUE, "-"), (1, "left wheel", VERMILION, "--")):
-        curve = _broken(y, np.degrees(rigid.angle[:, k]), rigid.on_wheel[:, k : k + 1])
-        axis.plot(*curve, color=colour, linestyle=line, label=name)
-    axis.set_title("Contact angle, yaw = 0, both wheels touching")
-    axis.set_xlabel("lateral position y of the wheelset [mm]")
-    axis.set_ylabel("contact angle [degrees]")
-    axis.set_xlim(y[0], y[-1])
-    axis.legend(loc="upper center")
 
 
 def level_nodes(table):

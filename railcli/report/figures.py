@@ -33,7 +33,7 @@ STYLE = {
 }
 
 
-def draw(painter, path, size):
+def draw(painter, path, size, dpi=DPI):
     """Let `painter(figure)` fill a new figure and write it, whole or not at all.
 
     Parameters
@@ -43,6 +43,8 @@ def draw(painter, path, size):
         Its ending, one of FORMATS, decides the format.
     size : tuple
         Width and height [inch].
+    dpi : float
+        Pixels per inch of a PNG.
     """
     path = Path(path)
     check_format(path)
@@ -51,7 +53,7 @@ def draw(painter, path, size):
         FigureCanvasAgg(figure)
         painter(figure)
         with whole_file(path) as temporary:
-            figure.savefig(temporary, format=path.suffix[1:].lower(), dpi=DPI)
+            figure.savefig(temporary, format=path.suffix[1:].lower(), dpi=dpi)
 
 
 def check_format(path):

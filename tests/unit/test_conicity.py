@@ -4,15 +4,16 @@ import math
 from dataclasses import replace
 from functools import cache
 
+import naive
 import numpy as np
 import pytest
 import tolerances as tol
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from railcli.analysis.conicity import Wheelset, conicity, rolling, steering, swing, wheelset_on
+from railcli.analysis.conicity import conicity, rolling, steering, swing
 from railcli.analysis.conicity_check import cone
-from railcli.analysis.rigid_contact import rigid_contact
+from railcli.analysis.rigid_contact import Wheelset, contact_at, wheelset_on
 from railcli.files.profiles import load_profile
 from railcli.model.contact_table import TableSettings
 from railcli.model.profile import Profile
@@ -118,12 +119,19 @@ def test_jumps_lie_where_two_contacts_touch(with_roll):
         assert abs(np.diff(contact.radius_difference[[i, i + 1]])[0]) > 0.1e-3
 
 
-def test_roll_agrees_with_the_table_builder_s_rigid_contact():
-    contact = s1002(True)
-    y = np.array([-5.5e-3, -2e-3, 0.7e-3, 3e-3, 6e-3])
-    rigid = rigid_contact(contact.wheelset.right, contact.wheelset.lateral, y)
-    assert_allclose(np.interp(y, contact.y, contact.radius_difference), rigid.radius_difference, atol=tol.DELTA_R_CHORD)
-    assert_allclose(np.interp(y, contact.y, contact.values["roll"]), rigid.roll, atol=tol.ROLL)
+@pytest.mark.parametrize("y, yaw", [(-5.5e-3, 0.0), (2e-3, 0.012), (6.5e-3, -0.02)])
+def test_both_wheels_touch_where_a_brute_search_finds_it(y, yaw):
+    """The naive search finds the same contacts, and both wheels hold the centre at the same height."""
+    contact = contact_at(s1002().wheelset, with_roll=True, yaw=yaw)(y)
+    roll, half, heights = contact[8], SETTINGS.lateral, []
+    for k, side in enumerate((1.0, -1.0)):
+        across = side * y + (half * math.cos(roll) - side * SETTINGS.radius * math.sin(roll)) * math.cos(yaw) - half
+        pose = (across, side * roll, abs(yaw))
+        minima = naive.difference_minima(bundled("ORES1002", "wheel"), bundled("UIC60", "rail"), SETTINGS, pose)
+        s, gap = minima[np.argmin(minima[:, 1])]
+        assert_allclose(contact[k], s, atol=tol.GRID_PLACE)
+        heights.append(gap - side * half * math.sin(roll) - SETTINGS.radius * math.cos(roll))
+    assert_allclose(heights[0], heights[1], atol=2 * tol.GRID_GAP)
 
 
 def integrated(y, difference, amplitude):

@@ -1,0 +1,59 @@
+"""Options that describe a wheelset on its track, and what they describe."""
+
+import click
+
+from .build_lut import DEFAULT_RAIL, DEFAULT_WHEEL, setting
+
+
+def wheelset_options(command):
+    """Decorator for profiles, track and wheels of a wheelset whose sides may differ."""
+    name = "NAME|FILE"
+    for option in reversed(
+        (
+            click.option("--wheel", default=DEFAULT_WHEEL, show_default=True, metavar=name, help="Wheel profile."),
+            click.option(
+                "--rail", default=DEFAULT_RAIL, show_default=True, metavar=name, help="Rail profile, upright."
+            ),
+            click.option(
+                "--left-wheel", metavar=name, help="Left wheel, as a right-hand profile.  [default: as right]"
+            ),
+            click.option("--left-rail", metavar=name, help="Left rail, as a right-hand profile.  [default: as right]"),
+            setting("--inclination", "20", "N", "Rail inclination 1:N; 0 is upright."),
+            setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3),
+            setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3),
+            setting("--radius", "460", "MM", "Wheel radius at the tape circle.", 1e3),
+            setting("--left-radius", "as right", "MM", "Radius of the left wheel.", 1e3),
+        )
+    ):
+        command = option(command)
+    return command
+
+
+def wheelset_of(wheel, rail, left_wheel, left_rail, left_radius, **given):
+    """What the options describe; its sides are checked to fit.
+
+    Returns
+    -------
+    settings : TableSettings
+    pair : Wheelset
+    names : dict
+        Names of the profiles: wheel, rail, and left_wheel, left_rail where given.
+    """
+    from railcli.analysis.build_table import check_fit
+    from railcli.analysis.rigid_contact import wheelset_on
+    from railcli.files.profiles import load_profile
+    from railcli.model.contact_table import LIMITS, TableSettings
+
+    settings = TableSettings(**{key: value for key, value in given.items() if value is not None})
+    if left_radius is not None:
+        low, high, _ = LIMITS["radius"]
+        if not low <= left_radius <= high:
+            raise click.BadParameter(f"must lie in {low * 1e3:g} ... {high * 1e3:g} mm", param_hint="'--left-radius'")
+    right = load_profile(wheel, "wheel"), load_profile(rail, "rail")
+    left = left_wheel and load_profile(left_wheel, "wheel"), left_rail and load_profile(left_rail, "rail")
+    pair = wheelset_on(settings, *right, *left, left_radius)
+    for mounting in pair.mountings:
+        check_fit(mounting, settings)
+    names = {"wheel": right[0].name, "rail": right[1].name}
+    names |= {f"left_{key}": item.name for key, item in zip(("wheel", "rail"), left, strict=True) if item}
+    return settings, pair, names
