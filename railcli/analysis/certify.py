@@ -94,8 +94,9 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     dict
         `poses`, `branches` compared, `near_end_share` (within one cell of a branch's end: counted apart and left out
         of the errors), `missed` loaded contacts and `invented` ones outside such cells, `overfull` poses with
-        more branches than the core keeps, for every quantity (gap_um, position_mm, angle_mrad, radius_um) p99, p99.9,
-        max and where the worst is, and the p99 per region; without the quantities when there was nothing to compare.
+        more branches than the core keeps, `contacts` compared by region, for every quantity (gap_um, position_mm,
+        angle_mrad, radius_um) p99, p999, max and where the worst is, and `by_region` p99, p999 and max of each region;
+        without the quantities when there was nothing to compare.
     """
     mounting = mount(wheel, rail, table.settings)
     low = mounting.wheel_start
@@ -153,25 +154,23 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     }
     if not errors.size:
         return certificate
+    parts = {region.name.lower(): regions == region for region in Region if (regions == region).any()}
+    certificate["contacts"] = {name: int(part.sum()) for name, part in parts.items()}
     for k, name in enumerate(QUANTITIES):
         column = errors[:, k]
-        worst = int(np.argmax(column))
+        worst = where[np.argmax(column)]
         certificate[name] = {
-            "p99": float(np.quantile(column, 0.99)),
-            "p999": float(np.quantile(column, 0.999)),
-            "max": float(column[worst]),
-            "worst_at": {
-                "y_mm": float(where[worst, 0] * 1e3),
-                "roll_mrad": float(where[worst, 1] * 1e3),
-                "yaw_mrad": float(where[worst, 2] * 1e3),
-            },
-            "p99_by_region": {
-                region.name.lower(): float(np.quantile(column[regions == region], 0.99))
-                for region in Region
-                if (regions == region).any()
-            },
+            **largest(column),
+            "worst_at": dict(zip(("y_mm", "roll_mrad", "yaw_mrad"), (worst * 1e3).tolist(), strict=True)),
+            "by_region": {name: largest(column[part]) for name, part in parts.items()},
         }
     return certificate
+
+
+def largest(errors):
+    """99 % and 99.9 % quantile and the largest of errors."""
+    p99, p999, most = np.quantile(errors, (0.99, 0.999, 1.0))
+    return {"p99": float(p99), "p999": float(p999), "max": float(most)}
 
 
 def shortcomings(certificate):
