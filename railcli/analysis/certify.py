@@ -3,7 +3,7 @@
 import numpy as np
 
 from railcli.kernels.contact import look_up
-from railcli.kernels.difference import locus, minima, slope_difference, wheel_axes
+from railcli.kernels.difference import locus, minima, prepare_scan, slope_difference, wheel_axes
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, Region
 from railcli.model.contact_table import mount
 
@@ -33,12 +33,13 @@ def direct_minima(mounting, pose, station):
         As `kernels.difference.minima` says.
     """
     y, roll, yaw = pose
-    found = np.zeros((16, 6))
-    scratch = np.empty((station.size, 3))
+    axes, found = wheel_axes(roll, yaw), np.zeros((16, 6))
+    scan_y, scan_z, lowest = np.empty((3, station.size))
+    r0, _, *wheel = mounting.kernel_arguments[:5]
+    prepare_scan(station, *axes, r0, *wheel, scan_y, scan_z)
     total, _ = minima(
-        1, mounting.pressed, y, *wheel_axes(roll, yaw), *mounting.kernel_arguments, station,
-        scratch, scratch, scratch, np.empty(station.size), np.empty(station.size), found,
-    )  # fmt: skip
+        1, mounting.pressed, y, *axes, *mounting.kernel_arguments, station, scan_y, scan_z, lowest, found
+    )
     return found[: min(total, 16)]
 
 
