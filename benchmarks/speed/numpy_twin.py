@@ -14,7 +14,7 @@ from railcli.kernels.layout import MAX_CONTACT, PATCH_PENETRATIONS, PATCH_ROWS, 
 
 SCALED = (Node.F11, Node.F22, Node.F23, Node.F33)
 POWERS = np.array([2.0, 2.0, 3.0, 4.0]) / 3.0  # of d^1.5 that each grows with
-PART = Node.GAP_YAW2  # of a sample: weight of the corners that have the branch
+PART = Node.GAP_Y  # of a sample: weight of the corners that have the branch
 
 
 class Bodies(NamedTuple):
@@ -240,7 +240,7 @@ def enter(wheel, q):
 def look_up(model, table_index, y, roll, yaw, depth):
     """Loaded branches of every wheel, flange to field: channels (n, MAX_CONTACT, ...) and which exist (n, MAX_CONTACT).
 
-    Channels as `Node`, with GAP replaced by the penetration and GAP_YAW2 by PART. Raises IndexError off the table.
+    Channels as `Node`, with GAP replaced by the penetration and GAP_Y by PART. Raises IndexError off the table.
     """
     table = model.table[table_index]
     count = np.stack([table["y_count"], table["roll_count"], table["yaw2_count"]], axis=1)
@@ -266,12 +266,14 @@ def look_up(model, table_index, y, roll, yaw, depth):
     mean_of = weight / np.where(usable, total, 1.0)[..., None]
     offset = inside * step[:, None, :]
     value = np.einsum("wbc,wbck->wbk", mean_of, node)
-    slopes = node[..., [Node.SLOPE, Node.GAP_ROLL, Node.GAP_YAW2]]
-    at_corner = np.einsum("wbc,wbck,wck->wb", mean_of, slopes, offset)
-    mean_slope, mean_offset = np.einsum("wbc,wbck->wbk", mean_of, slopes), np.einsum("wbc,wck->wbk", mean_of, offset)
-    gap = value[..., Node.GAP] + 0.5 * at_corner + 0.5 * np.sum(mean_slope * mean_offset, axis=2)
+    straight = value[..., Node.LATERAL].copy()
+    offset = offset[:, None] + np.einsum("wbc,wck->wbk", mean_of, offset)[:, :, None, :]
+    for member in (Node.GAP, Node.SLOPE, Node.LATERAL):
+        slopes = node[..., [Node[f"{member.name}_{axis}"] for axis in ("Y", "ROLL", "YAW2")]]
+        value[..., member] += 0.5 * np.einsum("wbc,wbck,wbck->wb", mean_of, slopes, offset)
+    value[..., Node.RADIUS] += value[..., Node.WHEEL_SLOPE] * (value[..., Node.LATERAL] - 0.5 * straight)
     value[..., PART] = total
-    value[..., Node.GAP] = depth[:, None] - gap
+    value[..., Node.GAP] = depth[:, None] - value[..., Node.GAP]
     loaded = usable & (value[..., Node.GAP] > 0.0)
     for w, b in zip(*np.nonzero(loaded & (table["patch_base"] >= 0)[:, None]), strict=True):
         value[w, b] = press(model, table[w], value[w, b], np.maximum(corner[w, b], 0), mean_of[w, b])

@@ -6,15 +6,15 @@ import time
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.branches import PER_CORNER, cut_knots, join_cells, link_nodes
+from railcli.kernels.branches import PER_CORNER, cut_knots, fill_slopes, join_cells, link_nodes
 from railcli.kernels.layout import NODE_CHANNELS, PATCH_ROWS
 from railcli.kernels.patch import fill_patches
 from railcli.kernels.tabulate import fill_nodes, solve_orientation
 from railcli.model.contact_table import ContactTable, mount
 
 METHODS = ("simplex", "locus")
-COARSE_STATION = 1.0e-3  # scan of the tread [m]
-FINE_STATION = 0.5e-3  # scan of flange and root [m]
+COARSE_STATION = 0.5e-3  # scan of the tread [m]
+FINE_STATION = 0.25e-3  # scan of flange and root [m]
 TREAD_ANGLE = math.radians(8.0)  # the tread ends where the wheel profile is first this steep
 FLANK_ANGLE = math.radians(60.0)  # flank: where it is steeper than this
 
@@ -124,6 +124,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
     link = np.empty((node.shape[0], 3), np.int32)
     link_nodes(first, node, basin, ny, nr, nw, link)
     cuts = cut_knots(first, node, link, ny, nr, nw)
+    fill_slopes(node, link, settings.y_step, settings.roll_step, settings.yaw_range**2 / (nw - 1))
     while True:
         branch = np.empty((capacity, 8), np.int32)
         count, ended = join_cells(first, node, link, ny, nr, nw, cell, branch)

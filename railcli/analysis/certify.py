@@ -3,7 +3,7 @@
 import numpy as np
 
 from railcli.kernels.contact import look_up
-from railcli.kernels.difference import locus, minima, slope_difference, wheel_axes
+from railcli.kernels.difference import locus, minima, prepare_scan, slope_difference, wheel_axes
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, Region
 from railcli.model.contact_table import mount
 
@@ -33,12 +33,13 @@ def direct_minima(mounting, pose, station):
         As `kernels.difference.minima` says.
     """
     y, roll, yaw = pose
-    found = np.zeros((16, 6))
-    scratch = np.empty((station.size, 3))
+    axes, found = wheel_axes(roll, yaw), np.zeros((16, 6))
+    scan_y, scan_z, lowest = np.empty((3, station.size))
+    r0, _, *wheel = mounting.kernel_arguments[:5]
+    prepare_scan(station, *axes, r0, *wheel, scan_y, scan_z)
     total, _ = minima(
-        1, mounting.pressed, y, *wheel_axes(roll, yaw), *mounting.kernel_arguments, station,
-        scratch, scratch, scratch, np.empty(station.size), np.empty(station.size), found,
-    )  # fmt: skip
+        1, mounting.pressed, y, *axes, *mounting.kernel_arguments, station, scan_y, scan_z, lowest, found
+    )
     return found[: min(total, 16)]
 
 
@@ -94,8 +95,9 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     dict
         `poses`, `branches` compared, `near_end_share` (within one cell of a branch's end: counted apart and left out
         of the errors), `missed` loaded contacts and `invented` ones outside such cells, `overfull` poses with
-        more branches than the core keeps, for every quantity (gap_um, position_mm, angle_mrad, radius_um) p99, p99.9,
-        max and where the worst is, and the p99 per region; without the quantities when there was nothing to compare.
+        more branches than the core keeps, `contacts` compared by region, for every quantity (gap_um, position_mm,
+        angle_mrad, radius_um) p99, p999, max and where the worst is, and `by_region` p99, p999 and max of each region;
+        without the quantities when there was nothing to compare.
     """
     mounting = mount(wheel, rail, table.settings)
     low = mounting.wheel_start
@@ -153,25 +155,23 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     }
     if not errors.size:
         return certificate
+    parts = {region.name.lower(): regions == region for region in Region if (regions == region).any()}
+    certificate["contacts"] = {name: int(part.sum()) for name, part in parts.items()}
     for k, name in enumerate(QUANTITIES):
         column = errors[:, k]
-        worst = int(np.argmax(column))
+        worst = where[np.argmax(column)]
         certificate[name] = {
-            "p99": float(np.quantile(column, 0.99)),
-            "p999": float(np.quantile(column, 0.999)),
-            "max": float(column[worst]),
-            "worst_at": {
-                "y_mm": float(where[worst, 0] * 1e3),
-                "roll_mrad": float(where[worst, 1] * 1e3),
-                "yaw_mrad": float(where[worst, 2] * 1e3),
-            },
-            "p99_by_region": {
-                region.name.lower(): float(np.quantile(column[regions == region], 0.99))
-                for region in Region
-                if (regions == region).any()
-            },
+            **largest(column),
+            "worst_at": dict(zip(("y_mm", "roll_mrad", "yaw_mrad"), (worst * 1e3).tolist(), strict=True)),
+            "by_region": {name: largest(column[part]) for name, part in parts.items()},
         }
     return certificate
+
+
+def largest(errors):
+    """99 % and 99.9 % quantile and the largest of errors."""
+    p99, p999, most = np.quantile(errors, (0.99, 0.999, 1.0))
+    return {"p99": float(p99), "p999": float(p999), "max": float(most)}
 
 
 def shortcomings(certificate):

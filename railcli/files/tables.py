@@ -35,11 +35,14 @@ SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
 ARRAYS = {
     "node": "contact points at grid poses, one row each; columns: attribute 'channels'. With normal 'kp' behind them "
-    "their patches, three rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'",
+    "their patches, two rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'",
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
 }
-UNITS = "m, -, m/rad, m/rad^2, m, m, m, m, N/m^1.5, m^0.5, m^0.5, N/m, N/m, N/m^0.5, N, -"
+UNITS = (
+    "-, 1/m, -, m/rad, 1/rad, m/rad, m/rad^2, 1/rad^2, m/rad^2, "
+    "m, -, m, m, -, m, m, N/m^1.5, m^0.5, m^0.5, N/m, N/m, N/m^0.5, N, -"
+)
 OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, and units per SI unit
     "inclination": ("--inclination", "", 1.0),
     "gauge": ("--gauge", "mm", 1e3),

@@ -147,6 +147,50 @@ def cut_knots(first, node, link, ny, nr, nw):
 
 
 @builder
+def fill_slopes(node, link, y_step, roll_step, yaw2_step):
+    """Slopes of contact angle and place in every node, by differences along its branch.
+
+    Central between two neighbours; at the end of a branch or of the table that of the parabola through the next two, or
+    the difference to the only one. No slope is more than twice a difference beside it of its sign (van Leer 1977),
+    so that a fast motion of the contact between two poses does not swing past them.
+    """
+    count = node.shape[0]
+    back = np.full((count, 3), -1, np.int32)
+    for a in range(count):
+        for d in range(3):
+            if link[a, d] >= 0:
+                back[link[a, d], d] = a
+    step = (y_step, roll_step, yaw2_step)
+    for a in range(count):
+        for d in range(3):
+            after, before = link[a, d], back[a, d]
+            for k in range(2):
+                value = (Node.SLOPE.value, Node.LATERAL.value)[k]
+                change = 0.0
+                if after >= 0 and before >= 0:
+                    change = limited(node[after, value] - node[a, value], node[a, value] - node[before, value], 0.5)
+                elif after >= 0:
+                    change = node[after, value] - node[a, value]
+                    if link[after, d] >= 0:
+                        change = limited(change, node[link[after, d], value] - node[after, value], 1.5)
+                elif before >= 0:
+                    change = node[a, value] - node[before, value]
+                    if back[before, d] >= 0:
+                        change = limited(change, node[before, value] - node[back[before, d], value], 1.5)
+                node[a, Node.SLOPE_Y.value + 3 * d + k] = change / step[d]
+
+
+@kernel
+def limited(near, far, share):
+    """share near + (1 - share) far, no larger than twice the smaller of both where they have one sign."""
+    change = share * near + (1.0 - share) * far
+    if near * far > 0.0:
+        most = 2.0 * min(abs(near), abs(far))
+        change = min(max(change, -most), most)
+    return change
+
+
+@builder
 def join_cells(first, node, link, ny, nr, nw, cell, branch):
     """Write the branches of every cell.
 

@@ -10,13 +10,20 @@ from .creep import falling_friction, tangential
 from .jit import kernel
 from .kalker import stiffness
 from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Press, Status
-from .rows import mix
+from .rows import mix, mix_bent
 from .vec3 import add, cross, dot, get, scale
 
+GAP_Y = Node.GAP_Y.value
+SLOPE_Y = Node.SLOPE_Y.value
+LATERAL_Y = Node.LATERAL_Y.value
+GAP_ROLL = Node.GAP_ROLL.value
+SLOPE_ROLL = Node.SLOPE_ROLL.value
+LATERAL_ROLL = Node.LATERAL_ROLL.value
+GAP_YAW2 = Node.GAP_YAW2.value
+SLOPE_YAW2 = Node.SLOPE_YAW2.value
+LATERAL_YAW2 = Node.LATERAL_YAW2.value
 GAP = Node.GAP.value
 SLOPE = Node.SLOPE.value
-GAP_ROLL = Node.GAP_ROLL.value
-GAP_YAW2 = Node.GAP_YAW2.value
 LATERAL = Node.LATERAL.value
 RADIUS = Node.RADIUS.value
 BARRIER_GAUGE = Node.BARRIER_GAUGE.value
@@ -29,13 +36,14 @@ F22 = Node.F22.value
 F23 = Node.F23.value
 F33 = Node.F33.value
 REGION = Node.REGION.value
+WHEEL_SLOPE = Node.WHEEL_SLOPE.value
 PRESS_HERTZ = Press.HERTZ.value
 PRESS_SEMI_X = Press.SEMI_X.value
 PRESS_SEMI_Y = Press.SEMI_Y.value
 PRESS_LATERAL = Press.LATERAL.value
 PRESS_SLOPE = Press.SLOPE.value
 PRESS_RADIUS = Press.RADIUS.value
-PART = Node.GAP_YAW2.value  # of a sample: weight of the corners that have the branch, 1 where it does not end
+PART = Node.GAP_Y.value  # of a sample: weight of the corners that have the branch, 1 where it does not end
 
 
 @kernel
@@ -56,18 +64,18 @@ def enter(side, lateral, radius, y, z, sr, cr, cy):
 
 
 @kernel
-def bend(node, n, w, u, h, k):
-    """Sum over the corners of w times the slope of D in channel k times the distance to the corner."""
-    return h * (
-        (u[0] * (w[0] * node[n[0], k]) + u[1] * (w[1] * node[n[1], k]))
-        + (u[2] * (w[2] * node[n[2], k]) + u[3] * (w[3] * node[n[3], k]))
-        + (u[4] * (w[4] * node[n[4], k]) + u[5] * (w[5] * node[n[5], k]))
-        + (u[6] * (w[6] * node[n[6], k]) + u[7] * (w[7] * node[n[7], k]))
-    )
+def times(w, u, shift, h):
+    """h w[c] (u[c] + shift) of every corner."""
+    return (
+        h * (w[0] * (u[0] + shift)), h * (w[1] * (u[1] + shift)),
+        h * (w[2] * (u[2] + shift)), h * (w[3] * (u[3] + shift)),
+        h * (w[4] * (u[4] + shift)), h * (w[5] * (u[5] + shift)),
+        h * (w[6] * (u[6] + shift)), h * (w[7] * (u[7] + shift)),
+    )  # fmt: skip
 
 
 @kernel
-def total(w, u):
+def mean(w, u):
     """Sum of w times u over the corners."""
     return (w[0] * u[0] + w[1] * u[1] + w[2] * u[2] + w[3] * u[3]) + (
         w[4] * u[4] + w[5] * u[5] + w[6] * u[6] + w[7] * u[7]
@@ -79,13 +87,13 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
     """All branches of a contact table that are loaded when the wheel's reference point is at z = depth.
 
     sample : (SAMPLE_ROWS, NODE_CHANNELS) filled from the flange to the field side, with GAP replaced by the
-        penetration depth - D [m] and GAP_YAW2 by the branch's part in the cell (PART).
+        penetration depth - D [m] and GAP_Y by the branch's part in the cell (PART).
     Returns the number of loaded branches; -1 when the pose is off the table or not a number; more than MAX_CONTACT
     when sample could not hold them.
 
-    Linear interpolation between the eight corners of a cell; D adds half the slopes of the corners, which makes it
-    exact for quadratics. A branch that ends within the cell is taken from the corners that have it, and fades with
-    their weight.
+    Linear interpolation between the eight corners of a cell; D, contact angle and place add half the slopes of the
+    corners, which makes them exact for quadratics, and the radius follows the place. A branch that ends within the cell
+    is taken from the corners that have it, and fades with their weight (theory.md section 4.8).
     """
     py = (y - table["y_start"]) / table["y_step"]
     pr = (roll - table["roll_start"]) / table["roll_step"]
@@ -103,54 +111,64 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
     uw = (tw, tw, tw, tw, -aw, -aw, -aw, -aw)
     q0, q1, q2, q3 = ay * ar, ty * ar, ay * tr, ty * tr
     full = (q0 * aw, q1 * aw, q2 * aw, q3 * aw, q0 * tw, q1 * tw, q2 * tw, q3 * tw)
+    hy, hr, hw = 0.5 * hy, 0.5 * hr, 0.5 * hw
+    full_y, full_r, full_w = times(full, uy, 0.0, hy), times(full, ur, 0.0, hr), times(full, uw, 0.0, hw)
     base = table["node_base"]
     count = 0
     for b in range(table["branch_base"] + cell[place], table["branch_base"] + cell[place + 1]):
-        n, w, whole = corners(branch, b, base, full)
+        n, whole = corners(branch, b, base)
         out = min(count, MAX_CONTACT - 1)
-        mix(node, n, w, sample, out)
         if whole:
-            weight, share, mean = 1.0, 1.0, 0.0
-        else:
-            weight = total(w, (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
-            if weight < 1e-9:
-                continue
-            share = 1.0 / weight
-            for k in range(NODE_CHANNELS):
-                sample[out, k] *= share
-            mean = share * (
-                sample[out, SLOPE] * hy * total(w, uy)
-                + sample[out, GAP_ROLL] * hr * total(w, ur)
-                + sample[out, GAP_YAW2] * hw * total(w, uw)
-            )
-        bent = share * (
-            bend(node, n, w, uy, hy, SLOPE) + bend(node, n, w, ur, hr, GAP_ROLL) + bend(node, n, w, uw, hw, GAP_YAW2)
-        )
-        p = depth - (sample[out, GAP] + 0.5 * (bent + mean))
-        if p > 0.0:
-            sample[out, GAP] = p
-            sample[out, PART] = weight
+            mix_bent(node, n, full, full_y, full_r, full_w, sample, out)
+            if penetrated(sample, out, depth, 1.0):
+                if table["patch_base"] >= 0:
+                    press(table, node, n, full, sample, out)
+                count += 1
+            continue
+        w, part = present(branch, b, full)
+        if part < 1e-9:
+            continue
+        wy, wr, ww = times(w, uy, mean(w, uy), hy), times(w, ur, mean(w, ur), hr), times(w, uw, mean(w, uw), hw)
+        mix_bent(node, n, w, wy, wr, ww, sample, out)
+        if penetrated(sample, out, depth, part):
             if table["patch_base"] >= 0:
-                press(table, node, n, w, share, p, sample, out)
+                press(table, node, n, w, sample, out)
             count += 1
     return count
 
 
 @kernel
-def pressed_value(sample, k, channel, share, t):
+def penetrated(sample, out, depth, part):
+    """Finish a mixed row of `look_up` when its branch is loaded; returns whether it is.
+
+    The radius is that of the wheel profile at the place of contact, by parabolas through the corners.
+    """
+    p = depth - (sample[out, GAP] + (sample[out, GAP_Y] + sample[out, GAP_ROLL] + sample[out, GAP_YAW2]))
+    if not p > 0.0:
+        return False
+    sample[out, SLOPE] += sample[out, SLOPE_Y] + sample[out, SLOPE_ROLL] + sample[out, SLOPE_YAW2]
+    moved = sample[out, LATERAL_Y] + sample[out, LATERAL_ROLL] + sample[out, LATERAL_YAW2]
+    sample[out, RADIUS] += sample[out, WHEEL_SLOPE] * (0.5 * sample[out, LATERAL] + moved)
+    sample[out, LATERAL] += moved
+    sample[out, GAP], sample[out, PART] = p, part
+    return True
+
+
+@kernel
+def pressed_value(sample, k, channel, t):
     """A channel of the mixed patch rows between penetrations k and k + 1."""
     low, high = k * PRESS_CHANNELS + channel, (k + 1) * PRESS_CHANNELS + channel
     below = sample[MAX_CONTACT + low // NODE_CHANNELS, low % NODE_CHANNELS]
     above = sample[MAX_CONTACT + high // NODE_CHANNELS, high % NODE_CHANNELS]
-    return share * (below + t * (above - below))
+    return below + t * (above - below)
 
 
 @kernel
-def press(table, node, n, w, share, p, sample, out):
-    """Replace Hertz's ellipse at the rigid contact point by the patch at penetration p (theory.md section 6.5).
+def press(table, node, n, w, sample, out):
+    """Replace Hertz's ellipse at the rigid contact point by the patch at its penetration (theory.md section 6.5).
 
     Linear in sqrt(p) between PATCH_PENETRATIONS, whose last and first hold beyond them.
-    n, w, share : nodes of the corners, their weights, and what scales the weights to a sum of one.
+    n, w : nodes of the corners and their weights.
     """
     base = table["node_base"]
     at = base + table["patch_base"]
@@ -163,48 +181,44 @@ def press(table, node, n, w, share, p, sample, out):
         first[0] + 1, first[1] + 1, first[2] + 1, first[3] + 1,
         first[4] + 1, first[5] + 1, first[6] + 1, first[7] + 1,
     )  # fmt: skip
-    third = (
-        first[0] + 2, first[1] + 2, first[2] + 2, first[3] + 2,
-        first[4] + 2, first[5] + 2, first[6] + 2, first[7] + 2,
-    )  # fmt: skip
     mix(node, first, w, sample, MAX_CONTACT)
     mix(node, second, w, sample, MAX_CONTACT + 1)
-    mix(node, third, w, sample, MAX_CONTACT + 2)
-    k = 0
+    p, k = sample[out, GAP], 0
     while k < len(PATCH_PENETRATIONS) - 2 and p > PATCH_PENETRATIONS[k + 1]:
         k += 1
     low, high = sqrt(PATCH_PENETRATIONS[k]), sqrt(PATCH_PENETRATIONS[k + 1])
     t = min(max((sqrt(p) - low) / (high - low), 0.0), 1.0)
-    a, b = pressed_value(sample, k, PRESS_SEMI_X, share, t), pressed_value(sample, k, PRESS_SEMI_Y, share, t)
+    a, b = pressed_value(sample, k, PRESS_SEMI_X, t), pressed_value(sample, k, PRESS_SEMI_Y, t)
     f11, f22, f23, f33 = stiffness(a, b, table["shear"], table["poisson"])
-    sample[out, HERTZ] = pressed_value(sample, k, PRESS_HERTZ, share, t)
+    sample[out, HERTZ] = pressed_value(sample, k, PRESS_HERTZ, t)
     sample[out, SEMI_X], sample[out, SEMI_Y] = a, b
     sample[out, F11], sample[out, F22], sample[out, F23], sample[out, F33] = f11, f22, f23, f33
-    sample[out, LATERAL] = pressed_value(sample, k, PRESS_LATERAL, share, t)
-    sample[out, SLOPE] = pressed_value(sample, k, PRESS_SLOPE, share, t)
-    sample[out, RADIUS] = pressed_value(sample, k, PRESS_RADIUS, share, t)
+    sample[out, LATERAL] = pressed_value(sample, k, PRESS_LATERAL, t)
+    sample[out, SLOPE] = pressed_value(sample, k, PRESS_SLOPE, t)
+    sample[out, RADIUS] = pressed_value(sample, k, PRESS_RADIUS, t)
 
 
 @kernel
-def corners(branch, b, base, w):
-    """Nodes of branch b, their weights (0 where the branch does not reach) and whether it reaches all corners."""
+def corners(branch, b, base):
+    """Nodes of branch b, any where it does not reach, and whether it reaches all corners."""
     c0, c1, c2, c3 = branch[b, 0], branch[b, 1], branch[b, 2], branch[b, 3]
     c4, c5, c6, c7 = branch[b, 4], branch[b, 5], branch[b, 6], branch[b, 7]
-    whole = (c0 | c1 | c2 | c3 | c4 | c5 | c6 | c7) >= 0
-    n = (
+    return (
         base + max(c0, 0), base + max(c1, 0), base + max(c2, 0), base + max(c3, 0),
         base + max(c4, 0), base + max(c5, 0), base + max(c6, 0), base + max(c7, 0),
-    )  # fmt: skip
-    if whole:
-        return n, w, True
-    return (
-        n,
-        (
-            w[0] if c0 >= 0 else 0.0, w[1] if c1 >= 0 else 0.0, w[2] if c2 >= 0 else 0.0, w[3] if c3 >= 0 else 0.0,
-            w[4] if c4 >= 0 else 0.0, w[5] if c5 >= 0 else 0.0, w[6] if c6 >= 0 else 0.0, w[7] if c7 >= 0 else 0.0,
-        ),
-        False,
-    )  # fmt: skip
+    ), (c0 | c1 | c2 | c3 | c4 | c5 | c6 | c7) >= 0  # fmt: skip
+
+
+@kernel
+def present(branch, b, w):
+    """Weights of the corners that branch b reaches, scaled to a sum of one, and their sum before that."""
+    w0, w1 = w[0] if branch[b, 0] >= 0 else 0.0, w[1] if branch[b, 1] >= 0 else 0.0
+    w2, w3 = w[2] if branch[b, 2] >= 0 else 0.0, w[3] if branch[b, 3] >= 0 else 0.0
+    w4, w5 = w[4] if branch[b, 4] >= 0 else 0.0, w[5] if branch[b, 5] >= 0 else 0.0
+    w6, w7 = w[6] if branch[b, 6] >= 0 else 0.0, w[7] if branch[b, 7] >= 0 else 0.0
+    part = (w0 + w1 + w2 + w3) + (w4 + w5 + w6 + w7)
+    share = 1.0 / max(part, 1e-300)
+    return (w0 * share, w1 * share, w2 * share, w3 * share, w4 * share, w5 * share, w6 * share, w7 * share), part
 
 
 @kernel

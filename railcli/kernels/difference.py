@@ -15,11 +15,12 @@ import numpy as np
 from .jit import kernel
 
 BARRIER_CAP = 1e-3  # barriers and gaps between branches beyond this are not resolved [m]
-SCAN_AHEAD = 3  # stations of the coarse scan along the circle
 SIMPLEX_SIZE = 0.4e-3  # edge of the first simplex [m]
 SIMPLEX_STOP = 5e-6  # largest edge at which the simplex stops, Newton takes over [m]
 SIMPLEX_STEPS = 200
 PROBE = 2e-6  # difference step along the profile [m]
+SECTIONS = 16  # of golden section: two stations 1 mm apart shrink to a micrometre
+GOLDEN = 0.6180339887498949
 SAME_POINT = 20e-6  # two minima closer than this are one [m]
 
 
@@ -80,16 +81,26 @@ def lean_gap(value, rail_slope, level):
 
 
 @kernel
-def gap(s, ahead, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
-    """Difference surface at profile coordinate s, `ahead` of the bottom as seen on the tape circle; as `lean_gap` [m].
+def gap(s, along, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Difference surface at s on the profile, `along` ahead of the bottom as on the tape circle; as `lean_gap` [m].
 
     seat [m] is the lateral position of nominal T in the axes of the rail profile.
     """
     value, _ = height(wheel, w0, wh, s)
-    sine = min(max(ahead / r0, -0.9), 0.9)
+    sine = min(max(along / r0, -0.9), 0.9)
     py, pz = surface_point(s, r0 + value, sine, e, f, d, r0)
     z, slope = height(rail, g0, gh, y + seat + py)
     return lean_gap(z - pz, slope, level)
+
+
+@kernel
+def ahead(slope, e, f, d):
+    """Sine and cosine of the angle ahead of the bottom at which the wheel's normal has no component along the rail."""
+    reach = sqrt(d[0] * d[0] + f[0] * f[0])
+    lean_sin, lean_cos = d[0] / reach, f[0] / reach
+    g = min(max(slope * e[0] / reach, -0.99), 0.99)
+    h = sqrt(1.0 - g * g)
+    return g * lean_cos - h * lean_sin, h * lean_cos + g * lean_sin
 
 
 @kernel
@@ -101,12 +112,7 @@ def locus(s, e, f, d, r0, wheel, w0, wh):
     """
     value, slope = height(wheel, w0, wh, s)
     radius = r0 + value
-    reach = sqrt(d[0] * d[0] + f[0] * f[0])
-    lean_sin, lean_cos = d[0] / reach, f[0] / reach
-    g = min(max(slope * e[0] / reach, -0.99), 0.99)
-    h = sqrt(1.0 - g * g)
-    sine = g * lean_cos - h * lean_sin
-    cosine = h * lean_cos + g * lean_sin
+    sine, cosine = ahead(slope, e, f, d)
     ny = cosine * d[1] + sine * f[1] - slope * e[1]
     nz = cosine * d[2] - slope * e[2]
     down = radius * cosine - r0
@@ -164,15 +170,33 @@ def polish(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
 
 
 @kernel
-def simplex(s, ahead, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+def lowest_between(low, high, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Lowest place of the locus between two stations by golden section, for a basin that a simplex has left [m]."""
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_left = locus_gap(left, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    at_right = locus_gap(right, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    for _ in range(SECTIONS):
+        if at_left < at_right:
+            high, right, at_right = right, left, at_left
+            left = high - GOLDEN * (high - low)
+            at_left = locus_gap(left, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + GOLDEN * (high - low)
+            at_right = locus_gap(right, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    return 0.5 * (low + high)
+
+
+@kernel
+def simplex(s, along, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
     """Minimise the difference surface from one seed by the simplex method of Nelder and Mead (1965).
 
     Reflection 1, expansion 2, contraction and shrinkage 1/2, as in their paper.
-    Returns s, ahead [m], the minimum [m] and the number of evaluations.
+    Returns s, the place along the circle [m], the minimum [m] and the number of evaluations.
     """
-    ax, ay = s, ahead
-    bx, by = s + SIMPLEX_SIZE, ahead
-    cx, cy = s, ahead + 10.0 * SIMPLEX_SIZE
+    ax, ay = s, along
+    bx, by = s + SIMPLEX_SIZE, along
+    cx, cy = s, along + 10.0 * SIMPLEX_SIZE
     fa = gap(ax, ay, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
     fb = gap(bx, by, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
     fc = gap(cx, cy, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
@@ -220,38 +244,25 @@ def simplex(s, ahead, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
 
 
 @kernel
-def prepare_scan(station, e, f, d, r0, wheel, w0, wh, ahead, scan_y, scan_z):
-    """Wheel surface at every (station, ahead) of the coarse scan for one orientation; the scan then only shifts it.
+def prepare_scan(station, e, f, d, r0, wheel, w0, wh, scan_y, scan_z):
+    """The contact locus at every station for one orientation; the scan then only shifts it.
 
-    ahead : (n, 3) places along the circle about the bottom, filled here; wider where the wheel is steep. [m]
-    scan_y, scan_z : (n, 3) filled with the surface against T [m].
+    scan_y, scan_z : (n,) filled with its points against T [m].
     """
     for i in range(station.size):
-        value, slope = height(wheel, w0, wh, station[i])
-        middle = 0.5 * (r0 + value) * slope * e[0]
-        reach = abs(middle) + 2e-3
-        for k in range(SCAN_AHEAD):
-            ahead[i, k] = middle + (k - 1) * reach
-            sine = min(max(ahead[i, k] / r0, -0.9), 0.9)
-            scan_y[i, k], scan_z[i, k] = surface_point(station[i], r0 + value, sine, e, f, d, r0)
+        scan_y[i], scan_z[i], _, _ = locus(station[i], e, f, d, r0, wheel, w0, wh)
 
 
 @kernel
-def scan(y, seat, rail, g0, gh, scan_y, scan_z, ahead, lowest, where):
-    """Coarse scan of D: for every station the lowest D over `ahead`, by the parabola through its three values.
-
-    lowest, where : (n,) filled with D [m] and the place ahead of the bottom [m].
-    """
+def scan(level, y, seat, rail, g0, gh, scan_y, scan_z, lowest):
+    """The difference surface on the locus at every station, as `lean_gap` [m]; returns the station of the lowest."""
+    best = 0
     for i in range(lowest.size):
-        f0 = height(rail, g0, gh, y + seat + scan_y[i, 0])[0] - scan_z[i, 0]
-        f1 = height(rail, g0, gh, y + seat + scan_y[i, 1])[0] - scan_z[i, 1]
-        f2 = height(rail, g0, gh, y + seat + scan_y[i, 2])[0] - scan_z[i, 2]
-        bend = f0 - 2.0 * f1 + f2
-        t = 0.0
-        if bend > 0.0:
-            t = min(max(0.5 * (f0 - f2) / bend, -1.5), 1.5)
-        lowest[i] = f1 + 0.5 * t * (f2 - f0) + 0.5 * t * t * bend
-        where[i] = ahead[i, 1] + t * (ahead[i, 2] - ahead[i, 1])
+        z, slope = height(rail, g0, gh, y + seat + scan_y[i])
+        lowest[i] = lean_gap(z - scan_z[i], slope, level)
+        if lowest[i] < lowest[best]:
+            best = i
+    return best
 
 
 @kernel
@@ -265,15 +276,6 @@ def _crest(station, value, i):
         return x1, value[i]
     x = 0.5 * (x0 + x1) - 0.5 * p / bend
     return x, value[i] - 0.25 * (p + bend * (x1 - x0)) ** 2 / bend
-
-
-@kernel
-def smallest(values):
-    """Smallest of an array."""
-    best = np.inf
-    for value in values:
-        best = min(best, value)
-    return best
 
 
 @kernel
@@ -317,37 +319,51 @@ def drop_strays(found, count):
 
 
 @kernel
+def search(method, i, station, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh):
+    """Minimum near station i, which lies lower than both neighbours: its s [m] and the number of evaluations of D.
+
+    A simplex may leave its basin; then, and for method 1, the locus is searched between the neighbours.
+    """
+    evaluations = 0
+    s = station[i]
+    if method == 0:
+        _, slope = height(wheel, w0, wh, s)
+        seed = r0 * ahead(slope, e, f, d)[0]
+        s, _, _, evaluations = simplex(s, seed, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        s = polish(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+    if method == 1 or not station[i - 1] <= s <= station[i + 1]:
+        s = lowest_between(station[i - 1], station[i + 1], level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        s = polish(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        evaluations += SECTIONS + 2
+    return s, evaluations
+
+
+@kernel
 def minima(
-    method, pressed, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
-    scan_y, scan_z, ahead, lowest, where, found,
+    method, pressed, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station, scan_y, scan_z, lowest, found
 ):
     """All contact points of one wheel pose within BARRIER_CAP of the deepest.
 
-    method : 0 simplex on D from every basin of the coarse scan; 1 the closed-form locus (its twin).
+    method : 0 simplex on D from every basin of the scan along the locus; 1 the locus alone (its twin).
     pressed : 0 for rigid contact; else contact points are the places of greatest approach when the wheel is pressed
         in by this much beyond first touch [m].
+    scan_y, scan_z : as `prepare_scan` fills them.  lowest : (n,) scratch.
     found : (k, 6) filled from the flange to the field side with s [m], D [m], the barriers towards flange and field
         side (how much D rises to the saddle; infinite where there is none), and the s of these saddles.
     Returns the number of minima (may exceed k: then the shallowest were left out) and of evaluations of D.
     """
     n = station.size
-    evaluations = 0
-    if method == 0:
-        scan(y, seat, rail, g0, gh, scan_y, scan_z, ahead, lowest, where)
-        evaluations += SCAN_AHEAD * n
-    else:
-        for i in range(n):
-            _, lowest[i], _ = slope_difference(station[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-            where[i] = 0.0
-        evaluations += n
     level = np.inf
+    deepest = scan(level, y, seat, rail, g0, gh, scan_y, scan_z, lowest)
+    evaluations = n
     if pressed > 0.0:
-        level = smallest(lowest) + pressed
-        for i in range(n):
-            _, _, slope = slope_difference(station[i], y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-            lowest[i] = lean_gap(lowest[i], slope, level)
-        evaluations += n
-    best = smallest(lowest)
+        s, used = station[deepest], 0
+        if 0 < deepest < n - 1:
+            s, used = search(method, deepest, station, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+        level = locus_gap(s, np.inf, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh) + pressed
+        deepest = scan(level, y, seat, rail, g0, gh, scan_y, scan_z, lowest)
+        evaluations += n + used
+    best = lowest[deepest]
     capacity = found.shape[0]
     count = 0
     total = 0
@@ -360,20 +376,8 @@ def minima(
         elif lowest[i] < lowest[i - 1] and lowest[i] <= lowest[i + 1]:
             if lowest[i] > best + BARRIER_CAP + 0.1e-3:
                 continue
-            s = station[i]
-            if method == 0:
-                s, _, _, steps = simplex(s, where[i], level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
-                evaluations += steps
-            else:
-                low, high = station[i - 1], station[i + 1]
-                for _ in range(14):
-                    middle = 0.5 * (low + high)
-                    if ascent(middle, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh) < 0.0:
-                        low = middle
-                    else:
-                        high = middle
-                s = 0.5 * (low + high)
-            s = polish(s, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            s, used = search(method, i, station, level, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)
+            evaluations += used
             if count > 0 and abs(s - found[count - 1, 0]) < SAME_POINT:
                 found[count - 1, 3] = np.inf
                 continue

@@ -15,10 +15,10 @@ from .jit import constant, mutable
 
 MAX_CONTACT = 6  # contact patches kept per wheel: four branches, and more where they end within a cell
 CURVE_KNOTS = 32
-NODE_CHANNELS = 16
+NODE_CHANNELS = 24
 PATH_ORDER = 8
 PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
-PATCH_ROWS = 3  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
+PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 SAMPLE_ROWS = MAX_CONTACT + PATCH_ROWS
 
 
@@ -175,22 +175,30 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
 class Node(IntEnum):
     """Channels of a table node: one contact point of a wheel at one grid pose (theory.md section 4)."""
 
-    GAP = 0  # D, distance from rail to wheel along z [m]
-    SLOPE = 1  # dD/dy = tangent of the contact angle [-]
-    GAP_ROLL = 2  # dD/d roll [m/rad]
-    GAP_YAW2 = 3  # dD/d yaw^2 [m/rad^2]
-    LATERAL = 4  # profile coordinate on the wheel, from the tape circle to the field side [m]
-    RADIUS = 5  # distance of the contact from the axle [m]
-    BARRIER_GAUGE = 6  # D of the saddle towards the flange minus D, at most BARRIER_CAP [m]
-    BARRIER_FIELD = 7  # likewise towards the field side [m]
-    HERTZ = 8  # k of N = k d^1.5, d the approach along the normal [N/m^1.5]
-    SEMI_X = 9  # a / d^0.5 [m^0.5]
-    SEMI_Y = 10  # b / d^0.5 [m^0.5]
-    F11 = 11  # f11 / d [N/m]
-    F22 = 12  # f22 / d [N/m]
-    F23 = 13  # f23 / d^1.5 [N/m^0.5]
-    F33 = 14  # f33 / d^2 [N]
-    REGION = 15  # part of the wheel profile, Region
+    GAP_Y = 0  # slopes over y: of GAP [-], of SLOPE [1/m], of LATERAL [-]
+    SLOPE_Y = 1
+    LATERAL_Y = 2
+    GAP_ROLL = 3  # over roll [m/rad, 1/rad, m/rad]
+    SLOPE_ROLL = 4
+    LATERAL_ROLL = 5
+    GAP_YAW2 = 6  # over yaw^2 [m/rad^2, 1/rad^2, m/rad^2]
+    SLOPE_YAW2 = 7
+    LATERAL_YAW2 = 8
+    GAP = 9  # D, distance from rail to wheel along z [m]
+    SLOPE = 10  # of the rail there, tangent of the contact angle [-]
+    LATERAL = 11  # profile coordinate on the wheel, from the tape circle to the field side [m]
+    RADIUS = 12  # distance of the contact from the axle; in a table less WHEEL_SLOPE LATERAL / 2 [m]
+    WHEEL_SLOPE = 13  # of the wheel profile there, dRADIUS / dLATERAL [-]
+    BARRIER_GAUGE = 14  # D of the saddle towards the flange minus D, at most BARRIER_CAP [m]
+    BARRIER_FIELD = 15  # likewise towards the field side [m]
+    HERTZ = 16  # k of N = k d^1.5, d the approach along the normal [N/m^1.5]
+    SEMI_X = 17  # a / d^0.5 [m^0.5]
+    SEMI_Y = 18  # b / d^0.5 [m^0.5]
+    F11 = 19  # f11 / d [N/m]
+    F22 = 20  # f22 / d [N/m]
+    F23 = 21  # f23 / d^1.5 [N/m^0.5]
+    F33 = 22  # f33 / d^2 [N]
+    REGION = 23  # part of the wheel profile, Region
 
 
 class Press(IntEnum):

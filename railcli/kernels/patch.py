@@ -12,14 +12,13 @@ from math import pi, sqrt
 
 import numpy as np
 
-from .difference import locus, slope_difference, wheel_axes
+from .difference import GOLDEN, locus, slope_difference, wheel_axes
 from .hertz import ellipse
 from .jit import builder, kernel
 from .layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node
 
 CLIMB = 0.1e-3  # step towards the place of greatest approach [m]
 CLIMB_STEPS = 60
-GOLDEN = 0.6180339887498949
 STRIDE = 0.15e-3  # first step towards an edge of the patch [m]
 STRIDE_GROWTH = 1.15
 REACH = 15e-3  # no patch extends farther from its centre [m]

@@ -1,13 +1,62 @@
-"""Weighted sum of rows in vector registers.
+"""Weighted sums of rows in vector registers.
 
-LLVM does not make vectors of the loop that this replaces, since it cannot know that the result overlaps no row.
+LLVM does not make vectors of the loops that these replace, since it cannot know that the result overlaps no row.
 """
 
 from numba import types
 from numba.core.cgutils import ir
 from numba.extending import intrinsic
 
-from .layout import NODE_CHANNELS
+from .layout import NODE_CHANNELS, Node
+
+WIDTH = 8  # channels summed at a time
+LANE = ir.IntType(32)
+VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+VALUE = (0,) * NODE_CHANNELS
+BENT = tuple(  # which of the weights each channel takes: that of the corner, or of its slope over y, roll, yaw^2
+    {"Y": 1, "ROLL": 2, "YAW2": 3}[channel.name.rpartition("_")[2]] if channel < Node.GAP else 0 for channel in Node
+)
+
+
+def _weights(builder, weights, c, pattern):
+    """Weight of corner c for each of the channels of a pattern."""
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), len(weights)), ir.Undefined)
+    for k, each in enumerate(weights):
+        vector = builder.insert_element(vector, builder.extract_value(each, c), ir.Constant(LANE, k))
+    return builder.shuffle_vector(vector, vector, ir.Constant(ir.VectorType(LANE, WIDTH), pattern))
+
+
+def _mixer(pattern):
+    def generate(context, builder, signature, arguments):
+        rows, places, *weights, results, place = arguments
+        corners = range(len(signature.args[1]))
+
+        def address(kind, array, index, channel):
+            start = context.make_array(kind)(context, builder, array).data
+            offset = builder.mul(index, ir.Constant(index.type, NODE_CHANNELS))
+            offset = builder.add(offset, ir.Constant(index.type, channel))
+            return builder.bitcast(builder.gep(start, [offset]), VECTOR.as_pointer())
+
+        def partial(some, channel):
+            total = None
+            for c in some:
+                at = address(signature.args[0], rows, builder.extract_value(places, c), channel)
+                weight = _weights(builder, weights, c, pattern[channel : channel + WIDTH])
+                term = builder.fmul(builder.load(at, align=8), weight, flags=["contract"])
+                total = term if total is None else builder.fadd(total, term, flags=["contract"])
+            return total
+
+        half = len(corners) // 2
+        for channel in range(0, NODE_CHANNELS, WIDTH):
+            total = builder.fadd(partial(corners[:half], channel), partial(corners[half:], channel))
+            builder.store(total, address(signature.args[-2], results, place, channel), align=8)
+        return context.get_dummy_value()
+
+    return generate
+
+
+def _are_rows(*arrays):
+    return all(isinstance(array, types.Array) and array.layout == "C" and array.ndim == 2 for array in arrays)
 
 
 @intrinsic
@@ -20,36 +69,16 @@ def mix(typingctx, node, n, w, sample, row):
     n, w : tuples of integers and of as many floats, at least two
     row : int
     """
-    for array in (node, sample):
-        if not isinstance(array, types.Array) or array.layout != "C" or array.ndim != 2:
-            return None
+    return (types.void(node, n, w, sample, row), _mixer(VALUE)) if _are_rows(node, sample) else None
 
-    def generate(context, builder, signature, arguments):
-        vector = ir.VectorType(ir.DoubleType(), NODE_CHANNELS)
-        nothing = ir.Constant(vector, ir.Undefined)
-        first_lane = ir.Constant(ir.VectorType(ir.IntType(32), NODE_CHANNELS), None)
-        rows, places, weights, results, place = arguments
 
-        def address(kind, array, index):
-            start = context.make_array(kind)(context, builder, array).data
-            offset = builder.mul(index, ir.Constant(index.type, NODE_CHANNELS))
-            return builder.bitcast(builder.gep(start, [offset]), vector.as_pointer())
+@intrinsic
+def mix_bent(typingctx, node, n, w, y, roll, yaw2, sample, row):
+    """As `mix`, but slopes are summed with weights of their own.
 
-        def term(c):
-            values = builder.load(address(node, rows, builder.extract_value(places, c)), align=8)
-            weight = builder.insert_element(nothing, builder.extract_value(weights, c), ir.Constant(ir.IntType(32), 0))
-            weight = builder.shuffle_vector(weight, nothing, first_lane)
-            return builder.fmul(values, weight, flags=["contract"])
-
-        def partial(corners):
-            total = term(corners[0])
-            for c in corners[1:]:
-                total = builder.fadd(total, term(c), flags=["contract"])
-            return total
-
-        half = len(n) // 2
-        total = builder.fadd(partial(range(half)), partial(range(half, len(n))))
-        builder.store(total, address(sample, results, place), align=8)
-        return context.get_dummy_value()
-
-    return types.void(node, n, w, sample, row), generate
+    y, roll, yaw2 : tuples of as many floats
+        Weights of the slopes over y, roll and yaw^2.
+    """
+    if not _are_rows(node, sample):
+        return None
+    return types.void(node, n, w, y, roll, yaw2, sample, row), _mixer(BENT)

@@ -25,14 +25,13 @@ def solve_orientation(
     """
     e, f, d = wheel_axes(roll, yaw)
     n = station.size
-    ahead, scan_y, scan_z = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    lowest, where = np.empty(n), np.empty(n)
-    prepare_scan(station, e, f, d, r0, wheel, w0, wh, ahead, scan_y, scan_z)
+    scan_y, scan_z, lowest = np.empty(n), np.empty(n), np.empty(n)
+    prepare_scan(station, e, f, d, r0, wheel, w0, wh, scan_y, scan_z)
     evaluations, crowded = 0, 0
     for i in range(counts.size):
         total, used = minima(
             method, pressed, y_start + i * y_step, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
-            scan_y, scan_z, ahead, lowest, where, found[i],
+            scan_y, scan_z, lowest, found[i],
         )
         evaluations += used
         if total > PER_CORNER:
@@ -71,11 +70,11 @@ def describe(s, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, pois
     lean = (s + radius * wheel_slope) * cos(roll) + r0 * sin(roll)
     px = -sin(yaw) * lean
     row[Node.GAP] = gap
-    row[Node.SLOPE] = slope
+    row[Node.SLOPE], row[Node.GAP_Y] = slope, slope
     row[Node.GAP_ROLL] = -slope * cos(yaw) * pz - (cos(yaw) * py - sin(yaw) * px)
     row[Node.GAP_YAW2] = -0.5 * slope * lean * (sin(yaw) / yaw if yaw != 0.0 else 1.0)
     row[Node.LATERAL] = s
-    row[Node.RADIUS] = radius
+    row[Node.RADIUS], row[Node.WHEEL_SLOPE] = radius, wheel_slope
     cosine = 1.0 / sqrt(1.0 + slope * slope)
     across = mean_curvature(rail, g0, gh, y + seat + py) - mean_curvature(wheel, w0, wh, s)
     ca, cb, k = ellipse(0.5 * cosine / radius, 0.5 * max(across, MIN_CURVATURE), young, poisson)
@@ -100,7 +99,10 @@ def fill_nodes(
     roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions,
     found, counts, node, basin,
 ):
-    """Nodes of one orientation in the order of `found`; basin : (n, 2) ends of each minimum's basin [m]."""
+    """Nodes of one orientation in the order of `found`; slopes of contact angle and place are left out.
+
+    basin : (n, 2) filled with the ends of each minimum's basin [m].
+    """
     n = 0
     for i in range(counts.size):
         for j in range(counts[i]):
@@ -108,6 +110,7 @@ def fill_nodes(
             row = node[n]
             y = y_start + i * y_step
             describe(m[0], y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions, row)
+            row[Node.RADIUS] -= 0.5 * row[Node.WHEEL_SLOPE] * row[Node.LATERAL]
             row[Node.BARRIER_GAUGE] = min(m[2], BARRIER_CAP)
             row[Node.BARRIER_FIELD] = min(m[3], BARRIER_CAP)
             basin[n, 0] = m[4] if isfinite(m[4]) else -np.inf

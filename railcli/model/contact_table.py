@@ -13,7 +13,7 @@ from railcli.kernels.layout import PATCH_ROWS, TABLE
 from .profile import TAPE_TO_BACK
 from .submodels import NORMAL_LAWS, choose
 
-VERSION = 1  # of the table's meaning; a table of another version is refused
+VERSION = 2  # of the table's meaning; a table of another version is refused
 
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),

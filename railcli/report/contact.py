@@ -75,21 +75,32 @@ def certificate_lines(certificate):
     """The error of look-up against direct minimisation as a table of text."""
     if "gap_um" not in certificate:
         return []
+    names = {key: f"{name} [{unit}]" for key, (name, unit) in QUANTITIES.items()}
     rows = []
-    for key, (name, unit) in QUANTITIES.items():
+    for key, name in names.items():
         error = certificate[key]
         at = error["worst_at"]
         worst = f"y {at['y_mm']:+.2f} mm, roll {at['roll_mrad']:+.2f} mrad, yaw {at['yaw_mrad']:+.2f} mrad"
-        rows.append((f"{name} [{unit}]", *(f"{error[part]:.3g}" for part in ("p99", "p999", "max")), worst))
+        rows.append((name, *(f"{error[part]:.3g}" for part in ("p99", "p999", "max")), worst))
+    parts = [
+        (part, f"{count:,}", *(_quantiles(certificate[key]["by_region"][part]) for key in QUANTITIES))
+        for part, count in certificate["contacts"].items()
+    ]
     return [
         f"Error of look-up against direct minimisation at {certificate['poses']:,} random poses "
         f"(seed {certificate['seed']}), loaded branches:",
         *columns(rows, ("", "p99", "p99.9", "max", "worst at")),
+        "By part of the wheel profile, p99 / p99.9:",
+        *columns(parts, ("", "contacts", *names.values())),
         f"  {certificate['near_end_share']:.2%} of the contact points lie within one cell of a branch's end: they are "
         "counted apart and left out",
         f"  elsewhere missed: {certificate['missed']}, invented: {certificate['invented']}, poses with more contacts "
         f"than a wheel keeps: {certificate['overfull']}",
     ]
+
+
+def _quantiles(error):
+    return f"{error['p99']:.2g} / {error['p999']:.2g}"
 
 
 def plot(table, wheel, rail, path):

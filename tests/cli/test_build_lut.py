@@ -40,6 +40,16 @@ def test_prints_positions_time_size_and_certificate(coarse):
     assert {"gap_um", "position_mm", "angle_mrad", "radius_um"} <= set(record["certificate"])
 
 
+def test_errors_are_told_by_part_of_the_profile(coarse):
+    """Built and checked alike: one line for each part, with as many contacts as the certificate compared."""
+    lines = build("--check", coarse[0], "--poses", "150", "--seed", "1", "-q").stdout.splitlines()
+    parts = [line.split() for line in lines if line.split()[:1] in (["tread"], ["root"], ["flank"], ["tip"])]
+    heads = [k for k, line in enumerate(lines) if line.startswith("By part of the wheel profile")]
+    assert len(heads) == 2  # measured now, and when it was built
+    assert {words[0] for words in parts} >= {"tread", "flank", "tip"}
+    assert all(int(words[1].replace(",", "")) > 0 and words.count("/") == 4 for words in parts)
+
+
 def test_method_twins_give_one_table(coarse, tmp_path):
     """Simplex and closed-form locus find the same number of contact points to one in two hundred."""
     result = build(*COARSE, "--method", "locus", "-o", tmp_path / "twin.h5", "--format", "json")

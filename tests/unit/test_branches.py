@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+import tolerances as tol
 
 from railcli.analysis.build_table import build_table
+from railcli.kernels.branches import fill_slopes
+from railcli.kernels.layout import NODE_CHANNELS, Node
 from railcli.model.contact_table import TableSettings
 
 REACH = TableSettings(y_range=7e-3, yaw_range=30e-3 * 0.3**0.5, yaw_count=4)  # usual steps, all rolls
@@ -67,9 +70,45 @@ def test_every_minimum_is_in_one_branch_of_each_cell_around_it(wide):
 
 def test_order_from_flange_to_field_side(wide):
     """Branches of a cell follow each other from the flange to the field side."""
-    places = wide.node[wide.branch, 4]
+    places = wide.node[wide.branch, Node.LATERAL]
     reached = wide.branch >= 0
     mean = np.sum(places * reached, axis=1) / reached.sum(axis=1)
     same_cell = np.ones(mean.size, bool)
     same_cell[wide.cell[:-1][wide.cell[:-1] < mean.size]] = False
     assert (np.diff(mean)[same_cell[1:]] >= 0.0).all()
+
+
+STEPS = 0.5e-3, 1e-3, 1e-4  # of y, roll and yaw^2
+
+
+def chain(values, direction):
+    """Slopes of nodes that are linked one behind the other in one direction and hold these places."""
+    node = np.zeros((len(values), NODE_CHANNELS))
+    node[:, Node.LATERAL] = values
+    link = np.full((len(values), 3), -1, np.int32)
+    link[:-1, direction] = np.arange(1, len(values))
+    fill_slopes(node, link, *STEPS)
+    slopes = node[:, [Node.LATERAL_Y, Node.LATERAL_ROLL, Node.LATERAL_YAW2]]
+    assert not np.delete(slopes, direction, axis=1).any() and not node[:, Node.SLOPE_Y].any()
+    return slopes[:, direction]
+
+
+@pytest.mark.parametrize("direction", range(3))
+def test_slopes_of_a_parabola(direction):
+    """Exact along a branch on one side of the vertex, its ends too."""
+    x = STEPS[direction] * np.arange(12)
+    expected = 0.3 + 2.0 * x / STEPS[direction]
+    found = chain(0.3 * x + x**2 / STEPS[direction], direction)
+    assert np.allclose(found, expected, rtol=0, atol=tol.PARABOLA_SLOPE)
+
+
+def test_slopes_beside_a_fast_motion():
+    """Where a contact runs from one place to another within a cell, the slopes beside it swing past neither."""
+    found = chain([0.0, 0.1e-3, 0.2e-3, 10.2e-3, 10.3e-3, 10.4e-3], 0) * STEPS[0]
+    assert (found > 0.0).all() and (found <= 0.2e-3 + tol.ROUNDING).all()
+
+
+def test_slopes_of_short_branches():
+    """One node has none, two have their difference."""
+    assert chain([1.0], 0) == [0.0]
+    assert np.allclose(chain([1.0, 3.0], 1), 2.0 / STEPS[1])

@@ -6,7 +6,7 @@ import scenes
 import tolerances as tol
 from numpy.testing import assert_allclose
 
-from railcli.analysis.certify import certify, shortcomings
+from railcli.analysis.certify import QUANTITIES, certify, shortcomings
 from railcli.analysis.equilibrium import touching_depth
 from railcli.kernels.contact import elastic_share, look_up
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, Status
@@ -45,6 +45,20 @@ def test_against_direct_minimisation(table, profiles):
     certificate = certify(table, *profiles, poses=1500)
     assert shortcomings(certificate) == []
     assert certificate["branches"] > 1500 and certificate["near_end_share"] < 0.2
+
+
+def test_certificate_by_part_of_the_profile(table, profiles):
+    """Every compared contact counts in one region, whose errors lie within those of all."""
+    certificate = certify(table, *profiles, poses=400)
+    assert sum(certificate["contacts"].values()) == certificate["branches"]
+    assert {"tread", "flank"} <= set(certificate["contacts"])
+    for key in QUANTITIES:
+        parts = certificate[key]["by_region"]
+        assert set(parts) == set(certificate["contacts"])
+        assert max(part["max"] for part in parts.values()) == certificate[key]["max"]
+        assert all(part["p99"] <= part["p999"] <= part["max"] for part in parts.values())
+    angle = certificate["angle_mrad"]["by_region"]
+    assert angle["tread"]["p99"] < angle["flank"]["p99"]
 
 
 @pytest.mark.parametrize("direction", range(3), ids=["y", "roll", "yaw"])

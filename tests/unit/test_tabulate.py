@@ -62,6 +62,7 @@ def test_nodes_come_back_as_they_are(table):
         cell = (ir * shape[1] + iw) * shape[2] + iy
         corner = table.branch[table.cell[cell] : table.cell[cell + 1], 0]
         expected = table.node[corner[corner >= 0]]
+        expected[:, Node.RADIUS] += 0.5 * expected[:, Node.WHEEL_SLOPE] * expected[:, Node.LATERAL]
         pose = (
             record["y_start"] + iy * settings.y_step + 1e-15,
             record["roll_start"] + ir * settings.roll_step + 1e-16,

@@ -4,7 +4,7 @@
 #include "twin.h"
 #include "vec.h"
 
-enum { PART = GAP_YAW2 }; /* of a sample: weight of the corners that have the branch */
+enum { PART = GAP_Y }; /* of a sample: weight of the corners that have the branch */
 
 static inline double power_1_5(double x) { return x * sqrt(x); }
 
@@ -28,34 +28,40 @@ static int look_up(const struct model *model, const struct table *table, double 
     int count = 0;
     for (int64_t b = table->branch_base + cell[0]; b < table->branch_base + cell[1]; b++) {
         const double *node[8];
-        double w[8], weight = 0.0, mean[3] = {0, 0, 0}, bent = 0.0;
+        double w[8], part = 0.0, half[3] = {0, 0, 0}, at[3] = {0, 0, 0};
         int whole = 1;
         for (int c = 0; c < 8; c++) {
             int32_t n = model->branch[b][c];
             node[c] = model->node[table->node_base + (n < 0 ? 0 : n)];
             w[c] = n < 0 ? 0.0 : full[c];
             whole &= n >= 0;
-            weight += w[c];
+            part += w[c];
         }
-        if (weight < 1e-9) continue;
-        double *out = sample[count < MAX_CONTACT ? count : MAX_CONTACT - 1];
-        for (int k = 0; k < NODE_CHANNELS; k++) {
-            out[k] = w[0] * node[0][k] + w[1] * node[1][k] + w[2] * node[2][k] + w[3] * node[3][k]
-                     + w[4] * node[4][k] + w[5] * node[5][k] + w[6] * node[6][k] + w[7] * node[7][k];
+        if (part < 1e-9) continue;
+        if (whole) {
+            part = 1.0;
+        } else {
+            for (int c = 0; c < 8; c++) w[c] /= part;
+            for (int a = 0; a < 3; a++)
+                for (int c = 0; c < 8; c++) half[a] += 0.5 * w[c] * u[a][c];
         }
         for (int c = 0; c < 8; c++) {
-            const double *at = node[c];
-            bent += w[c] * (u[0][c] * at[SLOPE] + u[1][c] * at[GAP_ROLL] + u[2][c] * at[GAP_YAW2]);
+            double moved[3];
+            for (int a = 0; a < 3; a++) moved[a] = 0.5 * u[a][c] + half[a];
+            for (int k = 0; k < 3; k++) {
+                const double *slope = node[c] + GAP_Y + k;
+                at[k] += w[c] * (node[c][GAP + k] + moved[0] * slope[0] + moved[1] * slope[3] + moved[2] * slope[6]);
+            }
         }
-        if (!whole) {
-            double share = 1.0 / weight;
-            for (int k = 0; k < NODE_CHANNELS; k++) out[k] *= share;
-            for (int a = 0; a < 3; a++)
-                for (int c = 0; c < 8; c++) mean[a] += w[c] * u[a][c];
-            bent = share * (bent + out[SLOPE] * mean[0] + out[GAP_ROLL] * mean[1] + out[GAP_YAW2] * mean[2]);
+        double p = depth - at[0];
+        if (!(p > 0.0)) continue;
+        double *out = sample[count < MAX_CONTACT ? count : MAX_CONTACT - 1];
+        for (int k = GAP; k < NODE_CHANNELS; k++) {
+            out[k] = w[0] * node[0][k] + w[1] * node[1][k] + w[2] * node[2][k] + w[3] * node[3][k]
+                   + w[4] * node[4][k] + w[5] * node[5][k] + w[6] * node[6][k] + w[7] * node[7][k];
         }
-        double p = depth - (out[GAP] + 0.5 * bent);
-        if (p > 0.0) out[GAP] = p, out[PART] = whole ? 1.0 : weight, count++;
+        out[RADIUS] += out[WHEEL_SLOPE] * (at[2] - 0.5 * out[LATERAL]);
+        out[GAP] = p, out[PART] = part, out[SLOPE] = at[1], out[LATERAL] = at[2], count++;
     }
     return count;
 }
