@@ -208,3 +208,10 @@ FREE_SWING = 2e-3  # of the amplitude: 0.4 s of the integrator at 0.1 ms; Hertz'
 BOUNCE_RUN = 1e-4  # of the frequency: other vertical modes ring in the first half period, which is left out
 BOUNCE_DECAY = 0.01  # of the decay: peaks are read at intervals of 5 ms of 0.93 s
 GROWTH = 0.02  # of a growth of 0.5 per second: peaks are read at 25 ms of 0.18 s; measured 7e-3
+TABLE_OR_LINES = 0.01  # relative: curvature of the profiles over 0.5 mm; what roll does to a contact
+SAME_CYCLE = 0.02  # of the amplitude: a ramp stops at 1 % of change from window to window
+CYCLE_FREQUENCY = 0.05  # relative: one amplitude stands for four wheelsets of 1.7 to 2.9 mm; creep that saturates
+DESCRIBING = 1e-6  # straight between 1/1000 of the amplitude; rounding of distances of 1e-3 m over 1 mm
+BOTH_TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
+LINE = 1e-4  # relative: second order in y = 0.1 mm and its roll
+SINE = 1e-5  # relative: crossings by straight lines between 75 samples per period

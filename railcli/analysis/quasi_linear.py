@@ -106,19 +106,35 @@ def _node_channels(contact, settings):
     return rows
 
 
-def _at_amplitude(contact, channels, amplitude):
-    y, wheelset = contact.y, contact.wheelset
+def harmonics(y, values, amplitude):
+    """The straight line that stands for a function over a sine: zeroth and first harmonic.
+
+    Parameters
+    ----------
+    y, values : array (n,)
+        Place, growing, and function, straight between places.
+    amplitude : float
+        Of the sine about y = 0.
+
+    Returns
+    -------
+    mean, slope : float
+    """
     angle, weight = sweep(y, 0.0, amplitude)
-    at, sine = amplitude * np.sin(angle), np.sin(angle)
+    found = weight * np.interp(amplitude * np.sin(angle), y, values)
+    return float(found.sum() / math.pi), float(2.0 * (found * np.sin(angle)).sum() / (math.pi * amplitude))
+
+
+def _at_amplitude(contact, channels, amplitude):
+    wheelset, found = contact.wheelset, contact.values
 
     def mean(values):
-        return float(np.sum(weight * np.interp(at, y, values)) / math.pi)
+        return harmonics(contact.y, values, amplitude)[0]
 
     def slope(values):
-        return float(2.0 * np.sum(weight * np.interp(at, y, values) * sine) / (math.pi * amplitude))
+        return harmonics(contact.y, values, amplitude)[1]
 
-    found = contact.values
-    motion = swing(y, contact.radius_difference, wheelset.base, wheelset.radius, amplitude)
+    motion = swing(contact.y, contact.radius_difference, wheelset.base, wheelset.radius, amplitude)
     return QuasiLinear(
         amplitude=amplitude,
         conicity=0.5 * slope(contact.radius_difference),

@@ -195,6 +195,16 @@ def test_quasi_linear_table_moves_as_the_cone_does():
 # --- the wagon ---
 
 
+def test_contact_table_and_quasi_linear_contact_agree_where_contact_is_smooth(wagon, profiles):
+    """At 1:20 nothing jumps near the middle: differences of the table see the same wagon as lines over 0.5 mm."""
+    case, lines = line_at(20.0, 0.5e-3, profiles)
+    own = modes(linearise(wagon, 60.0))
+    packed = modes(linearise(quasi_linear_system(case, lines), 60.0))
+    for words in ("car body lower sway", "bogie hunting, bogies in phase", "bogie hunting, bogies in antiphase"):
+        one, other = own.value[named(own, words)], packed.value[named(packed, words)]
+        assert other == pytest.approx(one, rel=tol.TABLE_OR_LINES)
+
+
 @cache
 def line_at(inclination, amplitude, profiles):
     case = load("stability").varied(contact={"inclination": inclination})
