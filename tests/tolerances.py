@@ -215,3 +215,6 @@ DESCRIBING = 1e-6  # straight between 1/1000 of the amplitude; rounding of dista
 BOTH_TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
 LINE = 1e-4  # relative: second order in y = 0.1 mm and its roll
 SINE = 1e-5  # relative: crossings by straight lines between 75 samples per period
+MOVED_TOGETHER = 1e-9  # of the largest entry of the matrix: rounding of differences
+LONG_WAVE = 5e-4  # at 1 mHz: wheelsets that roll follow a lateral wave of 30 km some metres late
+RESPONSE = 0.01  # demanded for the vertical model by hand: traction rods and their pitch are not in it

@@ -21,9 +21,10 @@ LARGEST_AMPLITUDE = 15.0  # [mm]
     help="Lateral amplitude over which the contact is made linear; 0: differences of the contact table at y = 0.",
 )
 @click.option("--all", "everything", is_flag=True, help="Print strongly damped modes and those above 50 Hz too.")
+@click.option("--response", is_flag=True, help="Frequency response to displaced rails too: response.csv and a figure.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @results_options
-def modes(scenario, speed, amplitude, everything, no_figures, output_format, output, overwrite, quiet):
+def modes(scenario, speed, amplitude, everything, response, no_figures, output_format, output, overwrite, quiet):
     """Eigenfrequencies, damping ratios and mode shapes of a vehicle that rolls on straight level track.
 
     The compiled model is linearised about its steady motion by differences of its state, with quasi-linear contact of
@@ -32,7 +33,7 @@ def modes(scenario, speed, amplitude, everything, no_figures, output_format, out
     \b
     Examples:
       railcli modes
-      railcli modes straight-60 --speed 40
+      railcli modes straight-60 --speed 40 --response
       railcli modes my-vehicle.toml --amplitude 0 --all -o modes
     """
     one_thread()
@@ -60,7 +61,7 @@ def modes(scenario, speed, amplitude, everything, no_figures, output_format, out
         else:
             tables = tables_for(case, quiet, announce)
             system = assemble(case, tables)
-        found = modes_of(linearise(system))
+        found = modes_of(linearise(system, contact=response))
         change = found.shift(linearise(system, scale=2.0))
         shapes = [describe(found, k) for k in range(found.value.size)]
 
@@ -69,6 +70,15 @@ def modes(scenario, speed, amplitude, everything, no_figures, output_format, out
         written = ["modes.json", "modes.csv", "shapes.csv"]
         if not no_figures:
             written += report.figures(case, found, shapes, folder)
+        if response:
+            from railcli.analysis.response import responses
+            from railcli.report import response as picture
+
+            answers = responses(found.linear)
+            written.append("response.csv")
+            write_text(folder / "response.csv", picture.response_csv(found.linear, answers))
+            if not no_figures:
+                written += picture.figures(case, found.linear, answers, folder)
         record = report.as_json(case, lines, found, change, shapes, provenance(case, tables), written)
         record["folder"] = folder
         write_json(folder / "modes.json", record)
