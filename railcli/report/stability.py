@@ -224,15 +224,19 @@ def _bifurcation(figure, scenario, loci, cycles):
     linear = [(locus.critical, locus.amplitude * 1e3) for locus in loci if locus.critical > 0.0]
     if linear:
         axis.plot(*np.array(linear).T, "s--", color=GREY, markersize=5, label="linear critical speed at this amplitude")
-    ordered = sorted(cycles, key=lambda cycle: cycle.speed)
-    if ordered:
-        speed = [cycle.speed for cycle in ordered]
-        amplitude = 1e3 * np.array([cycle.amplitude for cycle in ordered])
+    alive = sorted((cycle for cycle in cycles if cycle.hunts), key=lambda cycle: cycle.speed)
+    dead = [cycle.speed for cycle in cycles if not cycle.hunts]
+    if alive:
+        speed = [cycle.speed for cycle in alive]
+        amplitude = 1e3 * np.array([cycle.amplitude for cycle in alive])
         for k in range(amplitude.shape[1]):
             axis.plot(
                 speed, amplitude[:, k], "o-" if 2 * k < amplitude.shape[1] else "o--", color=SERIES[k % len(SERIES)],
                 markersize=4, label=f"W{k + 1}, limit cycle", markerfacecolor="none" if k % 2 else None,
             )  # fmt: skip
+    if dead:
+        axis.plot(dead, [0.0] * len(dead), "x", color=VERMILION, label="no hunting", clip_on=False, zorder=3)
+    if cycles:
         _, above = end_of_hunting(cycles)
         if math.isfinite(above):
             axis.axvline(above, color=VERMILION, linewidth=0.8, linestyle=":")
