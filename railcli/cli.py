@@ -8,6 +8,8 @@ from railcli import __version__
 from railcli.commands.build_lut import build_lut
 from railcli.commands.conicity import conicity
 from railcli.commands.contact import contact
+from railcli.commands.critical_speed import critical_speed
+from railcli.commands.modes import modes
 from railcli.commands.profile import profile
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
@@ -79,5 +81,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, run, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, run, modes, critical_speed, rt_bench, validate):
     main.add_command(_command)

@@ -198,3 +198,31 @@ BENCH_PLACE = 1e-6  # [m, -] interpolation over cells of 1 mm of a round rail
 BENCH_SPIN_PULL = 1e-3  # of the friction limit: rotation by spin over a wheel of 1:20 leaves no pull but its own share
 PRINTED_FORCES = 6e-3  # angles printed to 0.01 degrees and four digits of forces, on a flange of 61 degrees
 BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 mrad; measured 3.3e-6
+
+# --- Linear analysis ---
+EIGENVALUE = 1e-9  # relative: forces are linear, rounded at 1e-16 of 1 m over steps of 1e-7 m; measured 3e-11
+TEXTBOOK = 1e-3  # relative: the heavy frame swings along, 1e-4 of the frequency squared, and rolls; measured 5e-4
+TEXTBOOK_CREEP = 0.01  # relative: two roots 10 % apart take up each other's errors; measured 5e-3
+WICKENS = 4e-3  # relative: his formulas are of first order in the angle of 0.04, amplitudes finite; measured 2e-3
+SAME_CONE = 2e-4  # relative: table cells of 1 mm and 1 mrad; roll that moves a contact is left out; measured 2.4e-5
+BY_HAND = 1e-3  # relative: wheels stand on springs of 1e9 N/m each under 1e7 N/m; measured 4.5e-4
+PITCH_BY_HAND = 0.01  # relative: traction rods pull 1.2 m below the centre; measured 5e-3
+OTHER_PLANE = 1e-8  # of the largest displacement: rounding of differences over gaps between eigenvalues; measured 6e-11
+MIRRORED_MATRIX = 1e-9  # of the largest entry: rounding of differences
+STEP_FREE = 1e-6  # relative: (h/d)^2/24 of Hertz's law, h = 1e-7, d = 8e-5 m, and rounding; measured 3e-8
+EIGENVECTOR = 1e-10  # relative to the sizes summed
+BIORTHOGONAL = 1e-6  # equal eigenvalues have freely chosen vectors; rounding over their distance
+FREE_SWING = 2e-3  # of the amplitude: 0.4 s of the integrator at 0.1 ms; Hertz's law over an eighth of its depth
+BOUNCE_RUN = 1e-4  # of the frequency: other vertical modes ring in the first half period, which is left out
+BOUNCE_DECAY = 0.01  # of the decay: peaks are read at intervals of 5 ms of 0.93 s
+GROWTH = 0.02  # of a growth of 0.5 per second: peaks are read at 25 ms of 0.18 s; measured 7e-3
+TABLE_OR_LINES = 0.01  # relative: curvature of the profiles over 0.5 mm; what roll does to a contact
+SAME_CYCLE = 0.02  # of the amplitude: a ramp stops at 1 % of change from window to window
+CYCLE_FREQUENCY = 0.05  # relative: one amplitude stands for four wheelsets of 1.7 to 2.9 mm; creep that saturates
+DESCRIBING = 1e-6  # straight between 1/1000 of the amplitude; rounding of distances of 1e-3 m over 1 mm
+BOTH_TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
+LINE = 1e-4  # relative: second order in y = 0.1 mm and its roll
+SINE = 1e-5  # relative: crossings by straight lines between 75 samples per period
+MOVED_TOGETHER = 1e-9  # of the largest entry of the matrix: rounding of differences
+LONG_WAVE = 5e-4  # at 1 mHz: wheelsets that roll follow a lateral wave of 30 km some metres late
+RESPONSE = 0.01  # demanded for the vertical model by hand: traction rods and their pitch are not in it

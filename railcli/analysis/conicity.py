@@ -168,6 +168,29 @@ class Swing:
     linearised: float
 
 
+def sweep(y, centre, amplitude):
+    """Quadrature over half a sine from centre - amplitude to centre + amplitude, split at the given positions.
+
+    Parameters
+    ----------
+    y : array (n,)
+        Positions between which a function is smooth, growing [m].
+    centre, amplitude : float
+        [m]
+
+    Returns
+    -------
+    angle, weight : arrays (m, GAUSS)
+        Phase of the sine, -pi/2 ... pi/2 [rad], and weights whose sum is pi.
+    """
+    inner = y[(y > centre - amplitude + JUMP_WIDTH) & (y < centre + amplitude - JUMP_WIDTH)]
+    theta = np.arcsin(np.clip((inner - centre) / amplitude, -1.0, 1.0))
+    theta = np.concatenate([[-0.5 * math.pi], theta, [0.5 * math.pi]])
+    point, weight = np.polynomial.legendre.leggauss(GAUSS)
+    half = 0.5 * np.diff(theta)[:, None]
+    return theta[:-1, None] + half * (1.0 + point), half * weight
+
+
 def swing(y, difference, base, radius, amplitude):
     """Equivalent conicity of a delta-r function at one amplitude, as an exact quadrature.
 
@@ -215,21 +238,16 @@ def swing(y, difference, base, radius, amplitude):
         k = found[np.argmin(np.abs(place[found] + place[found + 1]))]
         centre = brentq(uneven, place[k], place[k + 1], xtol=1e-12)
     low, high = centre - amplitude, centre + amplitude
-    inner = y[(y > low + JUMP_WIDTH) & (y < high - JUMP_WIDTH)]
-    theta = np.arcsin(np.clip((inner - centre) / amplitude, -1.0, 1.0))
-    theta = np.concatenate([[-0.5 * math.pi], theta, [0.5 * math.pi]])
-    point, weight = np.polynomial.legendre.leggauss(GAUSS)
-    half = 0.5 * np.diff(theta)[:, None]
-    angle = theta[:-1, None] + half * (1.0 + point)
+    angle, weight = sweep(y, centre, amplitude)
     at = centre + amplitude * np.sin(angle)
-    harmonic = np.sum(half * weight * np.interp(at, y, difference) * np.sin(angle)) / (math.pi * amplitude)
+    harmonic = np.sum(weight * np.interp(at, y, difference) * np.sin(angle)) / (math.pi * amplitude)
     drop = max(potential(low), potential(high)) - potential(at)
     if np.abs(drop).max() <= noise:
         return Swing(amplitude, centre, math.inf, 0.0, float(harmonic))
     if drop.min() <= 0.0:
         return Swing(amplitude, centre, math.nan, math.nan, float(harmonic))
     rate = np.sqrt(2.0 * drop / (base * radius))
-    wavelength = 2.0 * np.sum(half * weight * amplitude * np.cos(angle) / rate)
+    wavelength = 2.0 * np.sum(weight * amplitude * np.cos(angle) / rate)
     conicity = 0.5 * base * radius * (2.0 * math.pi / wavelength) ** 2
     return Swing(amplitude, float(centre), float(wavelength), float(conicity), float(harmonic))
 

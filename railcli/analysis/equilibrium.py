@@ -105,6 +105,10 @@ class _Steady:
         if not self.moving:
             return
         speed, spin = x[-1], iter(x[self.n_q : -1])
+        if not any(turning):
+            data.v[:, 0] = speed
+            data.v[self.spins, 4] = x[self.n_q : -1]
+            return
         for i in range(q.shape[0]):
             _, y, z, roll, pitch, yaw = q[i]
             kx, ky, kz = turning
@@ -190,13 +194,13 @@ def static(system):
     return _finish(motion, x, (0.0, 0.0, 0.0), residual, iterations)
 
 
-def _follow(solve, x):
+def _follow(solve, x, stride=0.25):
     """Follow a solution while a share goes from 0 to 1, in strides that shrink where Newton's method fails.
 
     solve : called with the share and a first guess; returns motion, x, turning, residual and iterations.
     Returns the last motion, x, turning, residual and all iterations; a residual beyond TOLERANCE says that it stopped.
     """
-    done, stride, total = 0.0, 0.25, 0
+    done, total = 0.0, 0
     while True:
         share = min(done + stride, 1.0)
         motion, after, turning, residual, iterations = solve(share, x)
@@ -254,7 +258,8 @@ def steady(system, curvature, cant, speed=None, lateral=None):
         turning = _turning(share * curvature, share * cant, base)
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
 
-    motion, x, turning, residual, total = _follow(into_curve, None)
+    is_straight = curvature == 0.0 and cant == 0.0
+    motion, x, turning, residual, total = _follow(into_curve, None, 1.0 if is_straight else 0.25)
     if not residual < TOLERANCE:
         motion, x, turning, residual, more = into_curve(1.0, _settle(system, param, curvature, cant, speed))
         total += more

@@ -1,0 +1,240 @@
+"""Critical speed: linear by the roots over speed, non-linear by limit cycles (docs/stability.md, sections 4 and 5)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from railcli.errors import SimulationError
+from railcli.kernels.layout import new_rows
+from railcli.kernels.step import record
+
+from .faults import sentence
+from .linear import linearise, modes, on_straight, roots
+from .mode_shapes import describe
+from .simulate import settled_start
+
+ACCURACY = 0.01  # of a linear critical speed [m/s]
+WINDOW = 4.0  # over which an amplitude is taken [s]
+SAMPLE = 2.5e-3  # interval at which it is [s]
+MOST_WINDOWS = 50  # at one speed
+STEADY = 0.01  # relative change from window to window of a limit cycle
+DEAD = 0.1e-3  # lateral amplitude that is no hunting unless a caller says otherwise [m]
+ROOM = 200.0  # of straight track beyond what a window needs [m]
+
+
+@dataclass(frozen=True)
+class Locus:
+    """Roots over speed at one amplitude.
+
+    Attributes
+    ----------
+    amplitude : float
+        [m]
+    speeds : array (n,)
+        [m/s]
+    values : tuple of complex arrays
+        Eigenvalues that oscillate, at each speed [1/s].
+    critical : float
+        Lowest speed at which an oscillation neither grows nor decays, on its way to growing [m/s]; NaN if none does,
+        0 if one grows at the lowest speed already.
+    frequency : float
+        Of that oscillation [Hz].
+    mode : str
+    """
+
+    amplitude: float
+    speeds: np.ndarray
+    values: tuple
+    critical: float
+    frequency: float
+    mode: str
+
+    @property
+    def growth(self):
+        """Largest real part at each speed [1/s]."""
+        return np.array([value.real.max() for value in self.values])
+
+
+def locus(system, amplitude, speeds, progress=None):
+    """Roots of a quasi-linear system over speed.
+
+    Parameters
+    ----------
+    system : System
+        As `quasi_linear.on_lines` gives it.
+    amplitude : float
+        To be noted in the result [m].
+    speeds : sequence of float
+        Growing [m/s].
+    progress : callable, optional
+        Called after each speed.
+
+    Returns
+    -------
+    Locus
+    """
+    values = []
+    for speed in speeds:
+        values.append(roots(linearise(system, speed)))
+        if progress:
+            progress()
+    growth = np.array([value.real.max() for value in values])
+    critical, frequency, mode = math.nan, math.nan, ""
+    grows = np.flatnonzero(growth >= 0.0)
+    if grows.size and grows[0] == 0:
+        critical = 0.0
+    elif grows.size:
+        low, high = speeds[grows[0] - 1], speeds[grows[0]]
+        critical = float(brentq(lambda speed: roots(linearise(system, speed)).real.max(), low, high, xtol=ACCURACY))
+    if critical >= 0.0:
+        found = modes(linearise(system, critical or speeds[0]))
+        k = int(np.argmax(np.where(found.oscillates, found.value.real, -np.inf)))
+        frequency, mode = float(found.frequency[k]), describe(found, k).words
+    return Locus(amplitude, np.asarray(speeds, float), tuple(values), critical, frequency, mode)
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What is left of an oscillation at one speed.
+
+    Attributes
+    ----------
+    speed : float
+        [m/s]
+    amplitude : array (n_wheelset,)
+        Half the lateral peak-to-peak of each wheelset over the last WINDOW [m].
+    frequency : float
+        Of the wheelset with the largest one [Hz]; NaN without oscillation.
+    time : float
+        Run at this speed [s].
+    settled : bool
+        The amplitude no longer changed.
+    hunts : bool
+        It is larger than what counts as none.
+    """
+
+    speed: float
+    amplitude: np.ndarray
+    frequency: float
+    time: float
+    settled: bool
+    hunts: bool
+
+    @property
+    def largest(self):
+        return float(self.amplitude.max())
+
+
+def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD):
+    """Limit cycles while the speed falls from a large disturbance, then the speed at which they end.
+
+    Segments of constant speed, each begun with the state in which the one before ended. Where the hunting has died, the
+    last speed at which it lived is approached from its own state by halving, as the branch of large amplitudes may
+    reach far below the linear critical speed.
+
+    Parameters
+    ----------
+    system : System
+        With its own contact table and creep law.
+    start, step, lowest : float
+        Speeds and their difference [m/s].
+    lateral : float
+        Displacement of all bodies at the beginning [m].
+    resolution : float
+        Of the speed at which it ends [m/s].
+    threshold : float
+        Lateral amplitude of the widest wheelset up to which it does not hunt [m].
+
+    Yields
+    ------
+    Cycle
+        As they are found; `end_of_hunting` reads the result off them.
+
+    Raises
+    ------
+    SimulationError
+        A wheel derailed or left its table.
+    """
+    length = WINDOW * start + ROOM
+    there = on_straight(system, length, speed=start)
+    data = settled_start(there, lateral)
+    cycle = _settle(there, data, threshold)
+    yield cycle
+    if not cycle.hunts:
+        return
+    high, state = start, _copy(data)
+    while True:
+        if high - step < lowest:
+            return
+        cycle, data = _continued(system, length, (high, state), high - step, threshold)
+        yield cycle
+        if not cycle.hunts:
+            break
+        high, state = cycle.speed, data
+    low = cycle.speed
+    while high - low > resolution:
+        cycle, data = _continued(system, length, (high, state), 0.5 * (high + low), threshold)
+        yield cycle
+        if cycle.hunts:
+            high, state = cycle.speed, data
+        else:
+            low = cycle.speed
+
+
+def _continued(system, length, alive, speed, threshold):
+    """Limit cycle at another speed, begun with a speed and its state; and the state in which it ends."""
+    before, state = alive
+    data = _copy(state)
+    data.v[:, 0] *= speed / before
+    data.v[list(system.wheelsets), 4] *= speed / before
+    return _settle(on_straight(system, length, speed=speed), data, threshold), data
+
+
+def end_of_hunting(cycles):
+    """Highest speed without and lowest with hunting above it [m/s]; NaN where there is none."""
+    cycles = sorted(cycles, key=lambda cycle: cycle.speed)
+    dead = [cycle.speed for cycle in cycles if not cycle.hunts]
+    below = max(dead, default=math.nan)
+    alive = [cycle.speed for cycle in cycles if cycle.hunts and not cycle.speed < below]
+    return below, min(alive, default=math.nan)
+
+
+def _copy(data):
+    return type(data)(*(array.copy() for array in data))
+
+
+def _settle(system, data, threshold):
+    """Run at one speed until the amplitude repeats or has died."""
+    step = float(system.model.param[0]["step"])
+    stride = max(1, round(SAMPLE / step))
+    rows = new_rows(system.model, round(WINDOW / (stride * step)))
+    before, time = np.inf, 0.0
+    for _ in range(MOST_WINDOWS):
+        data.q[:, 0] -= data.q[0, 0]
+        _, status = record(system.model, data, rows, stride)
+        time += WINDOW
+        if status:
+            raise SimulationError(f"at {system.speed:g} m/s: {sentence(system, data, status)}; start at a lower speed")
+        lateral = rows.q[:, list(system.wheelsets), 1]
+        amplitude = 0.5 * np.ptp(lateral, axis=0)
+        settled = amplitude.max() <= threshold or abs(amplitude.max() - before) < STEADY * amplitude.max()
+        if settled:
+            break
+        before = amplitude.max()
+    widest = lateral[:, int(np.argmax(amplitude))]
+    return Cycle(
+        system.speed, amplitude, _frequency(widest, stride * step), time, bool(settled),
+        bool(amplitude.max() > threshold),
+    )  # fmt: skip
+
+
+def _frequency(signal, interval):
+    """Of a swing, from its upward crossings of the mean [Hz]."""
+    signal = signal - signal.mean()
+    up = np.flatnonzero((signal[:-1] < 0.0) & (signal[1:] >= 0.0))
+    if up.size < 2:
+        return math.nan
+    place = up + signal[up] / (signal[up] - signal[up + 1])
+    return float((up.size - 1) / ((place[-1] - place[0]) * interval))

@@ -1,0 +1,251 @@
+"""Critical speed for readers: tables, JSON, CSV, root locus and bifurcation diagram."""
+
+import math
+
+import numpy as np
+
+from railcli.analysis.stability import end_of_hunting
+
+from .figures import GREY, SERIES, VERMILION, draw
+from .text import columns
+
+TOP = 15.0  # of the root locus [Hz]
+SHOWN = (-12.0, 6.0)  # real parts in it [1/s]
+
+
+def start_of_ramp(loci, span, above):
+    """Speed at which a ramp begins when the user gives none [m/s]."""
+    low, high, step = span
+    found = [locus.critical for locus in loci if locus is not None and locus.critical > 0.0]
+    if not found:
+        return high
+    return float(min(high, low + step * math.ceil((above * max(found) - low) / step)))
+
+
+def critical_text(locus):
+    """A linear critical speed in words."""
+    if locus is None:
+        return "-"
+    if math.isnan(locus.critical):
+        return f"> {locus.speeds[-1]:g}"
+    return f"< {locus.speeds[0]:g}" if locus.critical == 0.0 else f"{locus.critical:.1f}"
+
+
+def report(scenario, lines, loci, cycles, ramped):
+    """Lines for the terminal.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    lines : list of tuples of QuasiLinear
+        One tuple for each amplitude, one line in it for each wheel radius.
+    loci : list of Locus or None
+        None where the swing reaches the flange.
+    cycles : list of Cycle
+    ramped : bool
+    """
+    text = [f"{scenario.name}: {scenario.vehicle.name} on straight level track, friction {scenario.contact.friction:g}"]
+    rows = []
+    for line, locus in zip(lines, loci, strict=True):
+        first = line[0]
+        known = locus is not None and locus.critical > 0.0
+        rows.append(
+            (
+                f"{first.amplitude * 1e3:g}", f"{first.conicity:.4f}",
+                f"{first.equivalent:.4f}" if math.isfinite(first.equivalent) else "-",
+                f"{first.angle * 1e-3:.4f}", f"{-first.roll:.4f}", critical_text(locus),
+                f"{3.6 * locus.critical:.0f}" if known else "-",
+                f"{locus.frequency:.2f}" if known else "-",
+                f"{locus.critical / locus.frequency:.1f}" if known else "-",
+                "beyond the flange" if locus is None else locus.mode,
+            )
+        )  # fmt: skip
+    header = ("amplitude", "conicity", "EN 15302", "angle", "roll", "critical", "", "f", "wave", "")
+    units = ("mm", "-", "-", "1/mm", "mrad/mm", "m/s", "km/h", "Hz", "m", "mode at its limit")
+    text += ["", "Linear, with quasi-linear contact over a swing of one amplitude:", *columns([units, *rows], header)]
+    if ramped:
+        text += ["", *cycles_text(scenario, cycles)]
+    return text
+
+
+def cycles_text(scenario, cycles):
+    """Lines of the bifurcation table and where the hunting ends."""
+    count = cycles[0].amplitude.size if cycles else 0
+    header = ("speed", *(f"W{k + 1}" for k in range(count)), "f", "wave", "")
+    rows = [("m/s", *["mm"] * count, "Hz", "m", "")]
+    for cycle in sorted(cycles, key=lambda cycle: -cycle.speed):
+        moves = cycle.hunts and math.isfinite(cycle.frequency)
+        remark = "" if cycle.settled else f"still changing after {cycle.time:g} s"
+        rows.append(
+            (
+                f"{cycle.speed:.2f}", *(f"{value * 1e3:.2f}" for value in cycle.amplitude),
+                f"{cycle.frequency:.2f}" if moves else "-", f"{cycle.speed / cycle.frequency:.1f}" if moves else "-",
+                "no hunting" if not cycle.hunts else remark,
+            )
+        )  # fmt: skip
+    text = ["Non-linear: amplitude of each wheelset (half peak-to-peak) while the speed falls from segment to segment"]
+    text += columns(rows, header) if cycles else []
+    return [*text, f"  {verdict(cycles)}"]
+
+
+def verdict(cycles):
+    """Where the hunting ends, in a sentence."""
+    below, above = end_of_hunting(cycles)
+    if not cycles:
+        return "No limit cycle was computed."
+    if math.isnan(above):
+        return f"No hunting: the disturbance dies at {below:g} m/s already; begin at a higher speed (--from)."
+    if math.isnan(below):
+        return f"Hunting lasts down to {above:g} m/s, the lowest speed asked for (--speeds)."
+    return (
+        f"Non-linear critical speed {above:.2f} m/s ({3.6 * above:.0f} km/h): hunting lasts there and has died at "
+        f"{below:.2f} m/s"
+    )
+
+
+def as_json(scenario, lines, loci, cycles, threshold, provenance, files):
+    """Everything, for a machine; units in the names."""
+    below, above = end_of_hunting(cycles)
+    return {
+        "scenario": scenario.name,
+        "vehicle": scenario.vehicle.name,
+        "linear": [
+            {
+                "contact": [one.as_dict() for one in line],
+                "critical_m_per_s": None if locus is None else locus.critical,
+                "frequency_hz": None if locus is None else locus.frequency,
+                "mode": "beyond the flange" if locus is None else locus.mode,
+                "highest_m_per_s": None if locus is None else float(locus.speeds[-1]),
+            }
+            for line, locus in zip(lines, loci, strict=True)
+        ],
+        "limit_cycles": [
+            {
+                "speed_m_per_s": cycle.speed,
+                "amplitude_mm": cycle.amplitude * 1e3,
+                "frequency_hz": cycle.frequency,
+                "time_s": cycle.time,
+                "settled": cycle.settled,
+                "hunts": cycle.hunts,
+            }
+            for cycle in sorted(cycles, key=lambda cycle: -cycle.speed)
+        ],
+        "threshold_mm": threshold * 1e3,
+        "hunting_ends": {"lives_m_per_s": above, "died_m_per_s": below},
+        "verdict": verdict(cycles) if cycles else "",
+        "files": files,
+        "provenance": provenance,
+    }
+
+
+def linear_csv(lines, loci):
+    """Quasi-linear contact (of the first wheel radius) and critical speed over amplitude."""
+    rows = ["amplitude_mm,conicity,equivalent_conicity,angle_per_m,roll_rad_per_m,critical_m_per_s,frequency_hz,mode"]
+    for line, locus in zip(lines, loci, strict=True):
+        one = line[0]
+        found = (math.nan, math.nan, "beyond the flange") if locus is None else (
+            locus.critical, locus.frequency, locus.mode
+        )  # fmt: skip
+        rows.append(
+            f"{one.amplitude * 1e3:g},{one.conicity:.6f},{one.equivalent:.6f},{one.angle:.6f},{one.roll:.6f},"
+            f'{found[0]:.4f},{found[1]:.5f},"{found[2]}"'
+        )
+    return "\n".join(rows) + "\n"
+
+
+def locus_csv(loci):
+    """Every oscillating eigenvalue over amplitude and speed."""
+    rows = ["amplitude_mm,speed_m_per_s,real_per_s,frequency_hz,damping_ratio"]
+    for locus in loci:
+        if locus is None:
+            continue
+        for speed, values in zip(locus.speeds, locus.values, strict=True):
+            rows += [
+                f"{locus.amplitude * 1e3:g},{speed:g},{value.real:.6f},{value.imag / (2.0 * math.pi):.6f},"
+                f"{-value.real / abs(value):.8f}"
+                for value in sorted(values, key=lambda value: value.imag)
+            ]
+    return "\n".join(rows) + "\n"
+
+
+def cycles_csv(cycles):
+    """Amplitudes over speed."""
+    count = cycles[0].amplitude.size
+    rows = [",".join(["speed_m_per_s", *(f"W{k + 1}_mm" for k in range(count)), "frequency_hz", "time_s", "settled"])]
+    for cycle in sorted(cycles, key=lambda cycle: -cycle.speed):
+        values = [f"{value * 1e3:.5f}" for value in cycle.amplitude]
+        ends = [f"{cycle.frequency:.5f}", f"{cycle.time:g}", str(int(cycle.settled))]
+        rows.append(",".join([f"{cycle.speed:g}", *values, *ends]))
+    return "\n".join(rows) + "\n"
+
+
+def figures(scenario, loci, cycles, folder):
+    """Draw root loci and bifurcation diagram; returns the names of the files."""
+    found = [locus for locus in loci if locus is not None]
+    names = []
+    if found:
+        draw(lambda figure: _root_locus(figure, scenario, found), folder / "root_locus.png", (10.0, 4.8))
+        names.append("root_locus.png")
+    if cycles or any(locus.critical > 0.0 for locus in found):
+        draw(lambda figure: _bifurcation(figure, scenario, found, cycles), folder / "bifurcation.png", (9.0, 5.2))
+        names.append("bifurcation.png")
+    return names
+
+
+def _root_locus(figure, scenario, loci):
+    """Roots of the middle amplitude in the complex plane, coloured by speed; largest real part over speed for all."""
+    plane, growth = figure.subplots(1, 2)
+    middle = loci[len(loci) // 2]
+    speed = np.concatenate([np.full(len(v), s) for s, v in zip(middle.speeds, middle.values, strict=True)])
+    value = np.concatenate(middle.values)
+    frequency = value.imag / (2.0 * math.pi)
+    seen = (frequency <= TOP) & (value.real > SHOWN[0]) & (value.real < SHOWN[1])
+    points = plane.scatter(value.real[seen], frequency[seen], c=speed[seen], s=9, cmap="viridis")
+    figure.colorbar(points, ax=plane, label="speed [m/s]")
+    plane.axvline(0.0, color=GREY, linewidth=0.8)
+    plane.set_xlabel("real part [1/s]")
+    plane.set_ylabel("frequency [Hz]")
+    plane.set_title(f"{scenario.name}: roots at {middle.amplitude * 1e3:g} mm")
+    for k, locus in enumerate(loci):
+        growth.plot(
+            locus.speeds, locus.growth, color=SERIES[k % len(SERIES)], linestyle="-" if k < len(SERIES) else "--",
+            label=f"{locus.amplitude * 1e3:g} mm",
+        )  # fmt: skip
+    growth.axhline(0.0, color=GREY, linewidth=0.8)
+    growth.set_xlabel("speed [m/s]")
+    growth.set_ylabel("largest real part [1/s]")
+    growth.set_title("growth of the least stable motion")
+    growth.legend(title="amplitude", loc="upper left")
+
+
+def _bifurcation(figure, scenario, loci, cycles):
+    """Amplitude of the limit cycles over speed, with the linear critical speed of each amplitude."""
+    axis = figure.subplots()
+    linear = [(locus.critical, locus.amplitude * 1e3) for locus in loci if locus.critical > 0.0]
+    if linear:
+        axis.plot(*np.array(linear).T, "s--", color=GREY, markersize=5, label="linear critical speed at this amplitude")
+    alive = sorted((cycle for cycle in cycles if cycle.hunts), key=lambda cycle: cycle.speed)
+    dead = [cycle.speed for cycle in cycles if not cycle.hunts]
+    if alive:
+        speed = [cycle.speed for cycle in alive]
+        amplitude = 1e3 * np.array([cycle.amplitude for cycle in alive])
+        for k in range(amplitude.shape[1]):
+            axis.plot(
+                speed, amplitude[:, k], "o-" if 2 * k < amplitude.shape[1] else "o--", color=SERIES[k % len(SERIES)],
+                markersize=4, label=f"W{k + 1}, limit cycle", markerfacecolor="none" if k % 2 else None,
+            )  # fmt: skip
+    if dead:
+        axis.plot(dead, [0.0] * len(dead), "x", color=VERMILION, label="no hunting", clip_on=False, zorder=3)
+    if cycles:
+        _, above = end_of_hunting(cycles)
+        if math.isfinite(above):
+            axis.axvline(above, color=VERMILION, linewidth=0.8, linestyle=":")
+            axis.annotate(
+                f"hunting ends: {above:.1f} m/s", (above, 0.97), xycoords=("data", "axes fraction"), fontsize=8,
+                rotation=90, ha="right", va="top", color=VERMILION,
+            )  # fmt: skip
+    axis.set_ylim(bottom=0.0)
+    axis.set_xlabel("speed [m/s]")
+    axis.set_ylabel("lateral amplitude of the wheelsets [mm]")
+    axis.set_title(f"{scenario.name}: hunting over speed")
+    axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
