@@ -322,9 +322,9 @@ def touch(model, data):
 def slip(model, data):
     """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load, fill data.creep_damping.
 
-    The rail is at rest. Its direction at the contact differs from that of the track frame by the frame's rotation per
-    metre: by curvature ahead of the axle, and on a cant ramp by the slope of each rail. Running backwards turns the
-    contact axes x and t with the rolling direction.
+    The rail is at rest. Its direction at the contact differs from that of the track frame by the frame's rotation and
+    motion per metre: by curvature ahead of the axle, and on a cant ramp by the slope of each rail. Running backwards
+    turns the contact axes x and t with the rolling direction.
     """
     param = model.param[0]
     block = data.creep_damping
@@ -349,7 +349,7 @@ def slip(model, data):
         )
         way = 1.0 if v[0] >= 0.0 else -1.0
         per_speed = 1.0 / max(sqrt(dot(v, v)), param["creep_speed"])
-        k = get(frame["rate"])
+        k, advance = get(frame["rate"]), get(frame["advance"])
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for j in range(patches):
             contact = data.contact[w, j]
@@ -358,7 +358,11 @@ def slip(model, data):
             normal = (0.0, -slope * cosine, cosine)
             arm = (contact["arm"][0], contact["arm"][1], contact["arm"][2])
             right, down_rail = data.q[i, 1] + arm[1], data.q[i, 2] + arm[2]
-            along = (way, way * (k[2] * arm[0] - k[0] * down_rail), way * (k[0] * right - k[1] * arm[0]))
+            along = (
+                way,
+                way * (advance[1] + k[2] * arm[0] - k[0] * down_rail),
+                way * (advance[2] + k[0] * right - k[1] * arm[0]),
+            )
             across = cross(normal, along)
             arm_x, arm_t = cross(arm, along), cross(arm, across)
             xi = (dot(along, v) + dot(arm_x, omega)) * per_speed
