@@ -200,3 +200,5 @@ COASTING_ENERGY = 5e-8  # of the same: squares of a step of 0.1 ms; measured 1.5
 VERTICAL_CURVE = 0.01  # of m V^2/R: the bounce of its beginning is not all over; measured 0.006
 TWIST_BY_HAND = 0.03  # of the largest change: contacts are not all 1.5 m apart, wheelsets lie aside; measured 0.022
 TRACK_SINE = 7e-7  # of the change over a transition: cubics in place of a sine, (2 pi)^3 / 384 / 32^4 = 6.2e-7
+ELEVEN_POINT_EIGHT = 2e-4  # 1500 / 9.81 / 3.6^2 is 11.798
+CHORD_SLOPE = 0.02  # a chord over 1/30 of a transition: (1/30)^2 of the slope, or 1/60 at the corner of Helmert's

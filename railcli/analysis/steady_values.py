@@ -59,6 +59,12 @@ def final_stretch(scenario):
     return Stretch(kind, curvature, cant, float(np.tan(angles[0])))
 
 
+def weight_along(scenario, stretch):
+    """Component of the vehicle's weight against the direction of travel on the stretch's gradient [N]."""
+    mass = sum(body.mass for body in scenario.vehicle.bodies)
+    return float(mass * scenario.run.gravity * np.sin(np.arctan(stretch.gradient)))
+
+
 def expected_forces(scenario, stretch):
     """Sums of the lateral and vertical forces on the rails that balance the vehicle.
 

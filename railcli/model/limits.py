@@ -1,5 +1,7 @@
 """Limits that a user sets for an alignment in place of the standard's."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from .checks import Description, Positive
@@ -15,4 +17,4 @@ class Limits(Description):
     cant_deficiency_rate: Positive | None = Field(None, alias="cant_deficiency_rate_m_per_s")
     twist: Positive | None = Field(None, alias="twist_m_per_m")
     vertical_acceleration: Positive | None = Field(None, alias="vertical_acceleration_m_per_s2")
-    base: Positive = Field(3.0, alias="base_m")  # length over which slopes of cant and cant deficiency are taken
+    base: Annotated[Positive, Field(le=100.0)] = Field(3.0, alias="base_m")  # over which slopes are taken
