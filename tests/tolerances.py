@@ -202,3 +202,4 @@ TWIST_BY_HAND = 0.03  # of the largest change: contacts are not all 1.5 m apart,
 TRACK_SINE = 7e-7  # of the change over a transition: cubics in place of a sine, (2 pi)^3 / 384 / 32^4 = 6.2e-7
 ELEVEN_POINT_EIGHT = 2e-4  # 1500 / 9.81 / 3.6^2 is 11.798
 CHORD_SLOPE = 0.02  # a chord over 1/30 of a transition: (1/30)^2 of the slope, or 1/60 at the corner of Helmert's
+LIFTING = 0.005  # where the wagon swings on its way up; measured 0.0012

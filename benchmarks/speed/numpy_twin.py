@@ -378,11 +378,15 @@ def contact(model, bodies, q, v):
     tangential = creep(param, grown, wheel["friction"][:, None] * force_n, creepage)
     tx, tt, mz = np.moveaxis(tangential, -1, 0)[..., None]
     force = tx * along + tt * across - force_n[..., None] * normal
+    moment = np.cross(arm, force) + mz * normal
+    rise = bodies.advance[of][:, None] * [0.0, 1.0, 1.0]
+    lean = force_n[..., None] * np.sum(normal * rise, axis=-1, keepdims=True) * [1.0, 0.0, 0.0]
+    force, moment = force + lean, moment + np.cross(arm * [0.0, 1.0, 0.0], lean)
     there = loaded[..., None]
     return Patches(
         normal=force_n, creep=np.where(there, tangential, 0.0), creepage=np.where(there, creepage, 0.0),
         depth=np.where(loaded, sample[..., Node.GAP], 0.0), lateral=sample[..., Node.LATERAL],
-        force=np.where(there, force, 0.0), moment=np.where(there, np.cross(arm, force) + mz * normal, 0.0),
+        force=np.where(there, force, 0.0), moment=np.where(there, moment, 0.0),
     )  # fmt: skip
 
 

@@ -376,8 +376,9 @@ def slip(model, data):
             contact["xi"], contact["eta"], contact["phi"] = xi, eta, phi
             contact["creep_x"], contact["creep_t"], contact["spin_moment"] = tx, tt, mz
             here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))
-            force = add(force, here)
-            moment = add(moment, add(cross(arm, here), scale(mz, normal)))
+            pull = n * (normal[1] * advance[1] + normal[2] * advance[2])  # of N, which leans with the rise of both rails
+            force = add(force, add(here, (pull, 0.0, 0.0)))
+            moment = add(moment, add(cross(arm, here), add(scale(mz, normal), (0.0, 0.0, -arm[1] * pull))))
             g0 = (along[0], along[1], along[2], dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x))
             g1 = (across[0], across[1], across[2], dot(forward, arm_t), dot(axle, arm_t), dot(down, arm_t))
             g2 = (0.0, 0.0, 0.0, dot(forward, normal), dot(axle, normal), dot(down, normal))

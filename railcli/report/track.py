@@ -218,6 +218,7 @@ def _curvature(axis, case, found, speed):
     axis.plot(found.s, 1e3 * found.curvature, color=BLUE)
     axis.set_ylabel("curvature [1/km]\nright +")
     axis.margins(y=0.4)
+    _open(axis)
 
 
 def _cant(axis, case, found, speed):
@@ -228,11 +229,13 @@ def _cant(axis, case, found, speed):
         axis.fill_between(found.s, 1e3 * found.cant, balance, color=ORANGE, alpha=0.25, linewidth=0.0,
                           label="deficiency, excess")  # fmt: skip
     axis.set_ylabel("cant [mm]\nleft over right rail")
+    _open(axis)
 
 
 def _gradient(axis, case, found, speed):
     axis.plot(found.s, 1e3 * np.tan(found.gradient), color=BLUE, label="gradient")
     axis.set_ylabel("gradient [per mille]\nrising +")
+    _open(axis)
     height = -found.place[:, 2]
     if np.ptp(height) > 0.0:
         other = axis.twinx()
@@ -248,8 +251,14 @@ def _gauge(axis, case, found, speed):
     axis.plot(found.s, left, color=SERIES[2], linestyle="--", label="left rail, to the right")
     axis.plot(found.s, right, color=SERIES[1], linestyle=":", label="right rail, to the right")
     axis.set_ylabel("gauge and rails\n[mm]")
-    if np.ptp([left, right]) < 1e-9:
-        axis.set_ylim(-1.0, 1.0)
+    _open(axis)
+
+
+def _open(axis):
+    """Show at least from -1 to 1, so that nothing looks like something."""
+    low, high = axis.get_ylim()
+    if high - low < 2.0:
+        axis.set_ylim(min(low, -1.0), max(high, 1.0))
 
 
 def _mark_sections(axis, judged):

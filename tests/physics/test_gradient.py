@@ -84,6 +84,20 @@ def test_vertical_curve_changes_the_load(slow, way):
     assert rows.rail["q"].sum(axis=1).mean() == pytest.approx(expected, abs=share)
 
 
+def test_cant_about_a_rail_lifts_the_wagon(slow):
+    """On a ramp of 100 mm over 80 m about the inner rail the speed takes m g h' / 2 more than about the centre."""
+    track = Track((Straight(length=30.0), Transition(length=80.0), Straight(length=60.0, cant=0.1)))
+    tractions = []
+    for pivot in ("centre", "inner"):
+        system = scenes.replaced(slow, track=pack(track, pivot=pivot))
+        data = system.start()
+        data.q[:, 2:] = static(system).data.q[:, 2:]
+        rows_of(system, data, 3.0)
+        tractions.append(rows_of(system, data, 2.0).traction.mean())
+    lifting = system.model.body["mass"].sum() * GRAVITY * 0.1 / 80.0 / 2.0
+    assert tractions[1] - tractions[0] == pytest.approx(lifting, rel=tol.LIFTING)
+
+
 def test_twist_unloads_wheels(slow):
     """1 in 400 on straight track, at walking pace: loads of the wheels from the roll stiffnesses by hand.
 

@@ -81,8 +81,10 @@ void slip(const struct model *model, struct data *data)
                                 contact->phi, t, slope_of);
             contact->creep_x = t[0], contact->creep_t = t[1], contact->spin_moment = t[2];
             vec here = add(add(scale(t[0], along), scale(t[1], across)), scale(-n, normal));
-            force = add(force, here);
-            moment = add(moment, add(cross(arm, here), scale(t[2], normal)));
+            double pull = n * (normal.y * advance.y + normal.z * advance.z);
+            vec lean = {pull, 0.0, 0.0}, yawing = {0.0, 0.0, -arm.y * pull};
+            force = add(force, add(here, lean));
+            moment = add(moment, add(cross(arm, here), add(scale(t[2], normal), yawing)));
             double g[3][6] = {
                 {along.x, along.y, along.z, dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x)},
                 {across.x, across.y, across.z, dot(forward, arm_t), dot(axle, arm_t), dot(down, arm_t)},
