@@ -376,7 +376,7 @@ def slip(model, data):
             contact["xi"], contact["eta"], contact["phi"] = xi, eta, phi
             contact["creep_x"], contact["creep_t"], contact["spin_moment"] = tx, tt, mz
             here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))
-            pull = n * (normal[1] * advance[1] + normal[2] * advance[2])  # of N, which leans with the rise of both rails
+            pull = n * (normal[1] * advance[1] + normal[2] * advance[2])  # of N: it leans with the rise of both rails
             force = add(force, add(here, (pull, 0.0, 0.0)))
             moment = add(moment, add(cross(arm, here), add(scale(mz, normal), (0.0, 0.0, -arm[1] * pull))))
             g0 = (along[0], along[1], along[2], dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x))

@@ -218,7 +218,7 @@ def _curvature(axis, case, found, speed):
     axis.plot(found.s, 1e3 * found.curvature, color=BLUE)
     axis.set_ylabel("curvature [1/km]\nright +")
     axis.margins(y=0.4)
-    _open(axis)
+    _open(axis, 0.1)
 
 
 def _cant(axis, case, found, speed):
@@ -254,11 +254,11 @@ def _gauge(axis, case, found, speed):
     _open(axis)
 
 
-def _open(axis):
-    """Show at least from -1 to 1, so that nothing looks like something."""
+def _open(axis, least=1.0):
+    """Show at least from -least to least, so that what is nearly nothing does not look like something."""
     low, high = axis.get_ylim()
-    if high - low < 2.0:
-        axis.set_ylim(min(low, -1.0), max(high, 1.0))
+    if high - low < 2.0 * least:
+        axis.set_ylim(min(low, -least), max(high, least))
 
 
 def _mark_sections(axis, judged):
