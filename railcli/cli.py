@@ -13,6 +13,7 @@ from railcli.commands.modes import modes
 from railcli.commands.profile import profile
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
+from railcli.commands.track import track
 from railcli.commands.validate import validate
 from railcli.errors import RailcliError
 
@@ -81,5 +82,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, run, modes, critical_speed, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, track, run, modes, critical_speed, rt_bench, validate):
     main.add_command(_command)

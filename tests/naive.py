@@ -161,45 +161,102 @@ def fastsim_forces(n, a, b, f, limit, creepage):
 # --- Track and bodies, from their definitions ---
 
 
-def track_course(track, s):
-    """Heading, plan position as x + i y, curvature and cant at one s >= 0, by integrating the sections one by one.
+SHARES = {  # of a transition over the share x of its length, and their integrals
+    "clothoid": (lambda x: x, lambda x: x**2 / 2),
+    "bloss": (lambda x: 3 * x**2 - 2 * x**3, lambda x: x**3 - x**4 / 2),
+    "helmert": (
+        lambda x: np.where(x < 0.5, 2 * x**2, 1 - 2 * (1 - x) ** 2),
+        lambda x: np.where(x < 0.5, 2 * x**3 / 3, x + 2 * (1 - x) ** 3 / 3 - 0.5),
+    ),
+    "cosine": (lambda x: (1 - np.cos(np.pi * x)) / 2, lambda x: x / 2 - np.sin(np.pi * x) / (2 * np.pi)),
+    "sine": (
+        lambda x: x - np.sin(2 * np.pi * x) / (2 * np.pi),
+        lambda x: x**2 / 2 + (np.cos(2 * np.pi * x) - 1) / (4 * np.pi**2),
+    ),
+}
 
-    Clothoid: linear; Bloss: 3 x^2 - 2 x^3. cant is the height of the left over the right rail.
+
+def slope_angle(gradients, s):
+    """Angle of the rising track: arcs of circles around the places where the gradient changes."""
+    angle = 0.0
+    for one in gradients:
+        after = np.arctan(one.gradient)
+        if one.at == 0.0:
+            angle = after
+            continue
+        half = one.radius * abs(after - angle) / 2
+        if s < one.at - half:
+            return angle
+        if s < one.at + half:
+            return angle + np.sign(after - angle) * (s - one.at + half) / one.radius
+        angle = after
+    return angle
+
+
+def bends(gradients):
+    """Where vertical curves begin and end."""
+    found, angle = [], 0.0
+    for one in gradients:
+        after = np.arctan(one.gradient)
+        if one.at > 0.0:
+            half = one.radius * abs(after - angle) / 2
+            found += [one.at - half, one.at + half]
+        angle = after
+    return np.array(found)
+
+
+def track_course(track, s, gradients=()):
+    """Heading, place (x, y, z) of the line, curvature and cant at one s >= 0, by integrating the sections one by one.
+
+    cant is the height of the left over the right rail.
     """
     nodes, weights = np.polynomial.legendre.leggauss(24)
-    heading, plan = 0.0, 0.0j
+    heading, place, start = 0.0, np.zeros(3), 0.0
     sections = track.sections
     for i, section in enumerate(sections):
         if section.kind == "transition":
-            one, two, x = sections[i - 1], sections[i + 1], np.polynomial.Polynomial([0.0, 1.0 / section.length])
-            share = x if section.shape == "clothoid" else 3 * x**2 - 2 * x**3
+            one, two = sections[i - 1], sections[i + 1]
+            share, turned = SHARES[section.shape]
         else:
-            one, two, share = section, section, np.polynomial.Polynomial([0.0])
-        bend = one.curvature + (two.curvature - one.curvature) * share
-        last = i == len(sections) - 1
-        length = s if last else min(section.length, s)
-        cuts = np.linspace(0.0, length, 9)
+            one, two, share, turned = section, section, np.zeros_like, np.zeros_like
+        change = two.curvature - one.curvature
+        length = section.length
+        end = s if i == len(sections) - 1 else min(start + length, s)
+        cuts = np.append(np.linspace(start, end, 9), start + length / 2)
+        cuts = np.sort(np.concatenate([cuts, bends(gradients)]))
+        cuts = cuts[(cuts >= start) & (cuts <= end)]
+
+        def direction(u, one=one, change=change, length=length, turned=turned, heading=heading):
+            return heading + one.curvature * u + change * length * turned(u / length)
+
         for low, high in zip(cuts, cuts[1:], strict=False):
-            u = (low + high) / 2 + (high - low) / 2 * nodes
-            plan += (high - low) / 2 * np.sum(weights * np.exp(1j * (heading + bend.integ()(u))))
-        heading += bend.integ()(length)
-        s -= length
-        if s <= 0.0:
-            cant = one.signed_cant + (two.signed_cant - one.signed_cant) * share(length)
-            return heading, plan, bend(length), cant
+            at = (low + high) / 2 + (high - low) / 2 * nodes
+            rise, way = np.array([slope_angle(gradients, x) for x in at]), direction(at - start)
+            tangent = np.array([np.cos(rise) * np.cos(way), np.cos(rise) * np.sin(way), -np.sin(rise)])
+            place = place + (high - low) / 2 * tangent @ weights
+        heading = float(direction(end - start))
+        if end >= s:
+            x = (s - start) / length
+            cant = one.signed_cant + (two.signed_cant - one.signed_cant) * share(x)
+            return heading, place, one.curvature + change * share(x), cant
+        start += length
     raise ValueError("beyond the track")
 
 
-def track_pose(track, s, cant_base):
-    """Origin and axes (columns) of the track frame: turned by the heading about z, then by the cant about x."""
-    heading, plan, _, cant = track_course(track, s)
-    axes = Rotation.from_euler("ZX", [heading, np.arcsin(cant / cant_base)]).as_matrix()
-    return np.array([plan.real, plan.imag, 0.0]), axes
+LIFT = {"centre": 0.0, "inner": 0.5, "outer": -0.5}
 
 
-def body_pose(track, q, cant_base):
+def track_pose(track, s, cant_base, gradients=(), pivot="centre"):
+    """Origin and axes (columns) of the track frame: turned by heading about z, gradient about y, cant about x."""
+    heading, place, _, cant = track_course(track, s, gradients)
+    angles = [heading, slope_angle(gradients, s), np.arcsin(cant / cant_base)]
+    axes = Rotation.from_euler("ZYX", angles).as_matrix()
+    return place - [0.0, 0.0, LIFT[pivot] * abs(cant)], axes
+
+
+def body_pose(track, q, cant_base, gradients=(), pivot="centre"):
     """Centre and axes of a body in ground axes; yaw, roll, pitch turn it in this order, each about its newest axis."""
-    origin, axes = track_pose(track, q[0], cant_base)
+    origin, axes = track_pose(track, q[0], cant_base, gradients, pivot)
     own = Rotation.from_euler("ZXY", [q[5], q[3], q[4]]).as_matrix()
     return origin + axes @ np.array([0.0, q[1], q[2]]), axes @ own
 

@@ -11,6 +11,7 @@ from railcli.kernels.step import advance, evaluate
 from railcli.model.contact_table import TableSettings
 from railcli.model.profile import Profile
 from railcli.model.scenario import Contact, Run, Scenario
+from railcli.model.sections import Gradient
 from railcli.model.system import assemble
 from railcli.model.track import Curve, Straight, Track, Transition, pack
 from railcli.model.vehicle import Body, Vehicle
@@ -27,6 +28,11 @@ WINDING = Track(  # something of everything
         Transition(length=40.0, shape="clothoid"),
         Straight(length=50.0),
     )
+)
+HILLS = (  # for WINDING: down, a sag in its first curve and a crest in its reversing transition
+    Gradient(at=0.0, gradient=-0.02),
+    Gradient(at=70.0, gradient=0.03, radius=800.0),
+    Gradient(at=140.0, gradient=-0.015, radius=1000.0),
 )
 SMOOTH = Track(  # without the kinks that the ends of a linear cant ramp make
     (
@@ -65,7 +71,7 @@ def edited(system, name, **values):
 
 def floating(system, track=None):
     """The same system without rails, weight or drive: bodies and what joins them, in free space."""
-    track = system.model.track if track is None else pack(track)
+    track = system.model.track if track is None else pack(track) if isinstance(track, Track) else track
     free = replaced(system, wheel=np.zeros(0, WHEEL), track=track)
     return tuned(free, gravity=0.0, hold=0.0)
 

@@ -69,6 +69,7 @@ TRACK_TANGENT = 1e-8  # [rad] chord of 0.2 mm: rounding of a position of 300 m o
 # --- Mechanics of the compiled core ---
 TRACK_AXES = 1e-11  # [-] rounding of headings of some radian, summed over up to 200 pieces
 TRACK_TURNING = 1e-11  # [1/m] central differences over 2 mm: rounding of axes, 1e-16 over 1e-3; measured 1.4e-12
+TRACK_MOTION = 1e-9  # [-] likewise of places of 280 m, 6e-14 over 1e-3, and h^2/6 of second derivatives of 1e-5
 RATE = 1e-7  # [m/s, rad/s] central differences over 0.2 ms of places of 300 m: rounding 3e-10; third derivatives 2e-8
 TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
 ENERGY_SLOPE = 1e-9  # relative: central differences over 2e-5, rounding and third derivatives 1e-10; measured 9e-11
@@ -77,6 +78,8 @@ RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 
 FREE_MOMENTUM = 3e-6  # measured 1.0e-6
 FREE_ANGULAR = 2e-4  # about a point 240 m away; measured 6e-5
 FREE_ENERGY = 2e-11  # measured 4e-12
+# The same through vertical curves: 40^2 / 800 m/s^2 set in at once, within half a step; measured 3.0e-6, 9e-4, 2.5e-10
+FREE_HILLS = (6e-6, 2e-3, 5e-10)
 FREE_SMOOTH = 2e-7  # without kinks, angular momentum the worst; measured 8e-8
 ORDER_TWO = 0.1  # of the ratio 4 of the errors at steps h and h / 2: the next order of the error
 PARABOLA = 1e-7  # [m, m/s] squares of a step of 0.25 ms in axes that turn at 0.2 rad/s; measured 2e-8
@@ -226,3 +229,13 @@ SINE = 1e-5  # relative: crossings by straight lines between 75 samples per peri
 MOVED_TOGETHER = 1e-9  # of the largest entry of the matrix: rounding of differences
 LONG_WAVE = 5e-4  # at 1 mHz: wheelsets that roll follow a lateral wave of 30 km some metres late
 RESPONSE = 0.01  # demanded for the vertical model by hand: traction rods and their pitch are not in it
+
+# --- Gradients, vertical curves, twist ---
+COASTING = 0.015  # of the work of the weight: bodies bounce and pitch at the end, springs hold more; measured 0.007
+COASTING_ENERGY = 5e-8  # of the same: squares of a step of 0.1 ms; measured 1.5e-8
+VERTICAL_CURVE = 0.01  # of m V^2/R: the bounce of its beginning is not all over; measured 0.006
+TWIST_BY_HAND = 0.03  # of the largest change: contacts are not all 1.5 m apart, wheelsets lie aside; measured 0.022
+TRACK_SINE = 7e-7  # of the change over a transition: cubics in place of a sine, (2 pi)^3 / 384 / 32^4 = 6.2e-7
+ELEVEN_POINT_EIGHT = 2e-4  # 1500 / 9.81 / 3.6^2 is 11.798
+CHORD_SLOPE = 0.02  # a chord over 1/30 of a transition: (1/30)^2 of the slope, or 1/60 at the corner of Helmert's
+LIFTING = 0.005  # where the wagon swings on its way up; measured 0.0012

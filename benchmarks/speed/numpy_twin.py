@@ -22,6 +22,7 @@ class Bodies(NamedTuple):
 
     track: np.ndarray  # (n, 3, 3) columns: axes of the track frame
     turning: np.ndarray  # (n, 3) rotation of the track frame per metre, track axes [1/m]
+    advance: np.ndarray  # (n, 3) motion of its origin per metre, track axes [-]
     pose: np.ndarray  # (n, 3, 3) columns: axes of the body's frame, in track axes
     axes: np.ndarray  # (n, 3, 3) columns: axes of the body's frame
     position: np.ndarray  # (n, 3) of the centre [m]
@@ -87,7 +88,7 @@ def polynomial(coefficients, u):
 
 
 def track_frames(model, s):
-    """Origin (n, 3), axes (n, 3, 3) and turning (n, 3) of the track frame at arc lengths s."""
+    """Origin (n, 3), axes (n, 3, 3), turning and advance (n, 3) of the track frame at arc lengths s."""
     piece = model.track[np.searchsorted(model.track["start"], s, side="right") - 1]
     u = s - piece["start"]
     base = model.param["cant_base"][0]
@@ -96,32 +97,36 @@ def track_frames(model, s):
     tangent = piece["cos_heading"] + 1j * piece["sin_heading"]
     heading = np.angle(tangent) + u * polynomial(piece["curvature"] / np.arange(1, 5), u)
     plan = piece["x"] + 1j * piece["y"] + tangent * u * polynomial(piece["path_x"] + 1j * piece["path_y"], u)
-    roll = np.arcsin(cant / base)
-    origin = np.stack([plan.real, plan.imag, np.zeros_like(s)], axis=1)
+    roll, pitch = np.arcsin(cant / base), polynomial(piece["gradient"], u)
+    depth = piece["z"] + u * polynomial(piece["path_z"], u) - piece["lift"] * cant
+    origin = np.stack([plan.real, plan.imag, depth], axis=1)
     roll_rate = cant_slope / np.sqrt(base**2 - cant**2)
-    down = turn(rotation(0, -roll), np.array([0.0, 0.0, 1.0]))
-    turning = roll_rate[:, None] * [1.0, 0.0, 0.0] + curvature[:, None] * down
-    return origin, rotation(2, heading) @ rotation(0, roll), turning
+    sloping = rotation(1, pitch) @ rotation(0, roll)
+    down, across = turn_back(sloping, np.array([0.0, 0.0, 1.0])), turn_back(sloping, np.array([0.0, 1.0, 0.0]))
+    turning = roll_rate[:, None] * [1.0, 0.0, 0.0] + curvature[:, None] * down + piece["gradient"][:, 1:] * across
+    advance = np.array([1.0, 0.0, 0.0]) - (piece["lift"] * cant_slope)[:, None] * down
+    return origin, rotation(2, heading) @ sloping, turning, advance
 
 
 def kinematics(model, q, v):
     """Bodies at coordinates q and velocities v, (n, 6) each."""
     spins = model.body["spins"].astype(bool)
-    origin, track, turning = track_frames(model, q[:, 0])
+    origin, track, turning, advance = track_frames(model, q[:, 0])
     offset = q[:, :3] * [0.0, 1.0, 1.0]
     first = rotation(2, q[:, 5])
     second = first @ rotation(0, q[:, 3])
     pose = second @ rotation(1, np.where(spins, 0.0, q[:, 4]))
-    speed = v[:, 0] / (1.0 + np.cross(turning, offset)[:, 0])
+    per_metre = advance + np.cross(turning, offset)
+    speed = v[:, 0] / per_metre[:, 0]
     carried = speed[:, None] * turning
-    along = v[:, :3] - np.cross(carried, offset)
+    along = v[:, :3] - speed[:, None] * per_metre
     relative = turn(pose, v[:, 3:]) - carried
     angles = np.linalg.solve(np.stack([first[:, :, 0], second[:, :, 1], first[:, :, 2]], axis=2), relative[..., None])
     rate = np.column_stack([speed, along[:, 1:], angles[..., 0]])
     axes = track @ pose
     spin = np.where(spins, rate[:, 4], 0.0)[:, None] * [0.0, 1.0, 0.0]
     return Bodies(
-        track=track, turning=turning, pose=pose, axes=axes, position=origin + turn(track, offset),
+        track=track, turning=turning, advance=advance, pose=pose, axes=axes, position=origin + turn(track, offset),
         velocity=turn(track, v[:, :3]), omega=turn(axes, v[:, 3:]), omega_frame=turn(axes, v[:, 3:] - spin), rate=rate,
     )  # fmt: skip
 
@@ -364,7 +369,8 @@ def contact(model, bodies, q, v):
     velocity, omega = v[of][:, None, :3], turn(bodies.pose[of], v[of, 3:])[:, None]
     way = np.where(v[of, 0] >= 0.0, 1.0, -1.0)[:, None, None]
     point = arm + q[of][:, None, :3] * [0.0, 1.0, 1.0]
-    along = way * ([1.0, 0.0, 0.0] + np.cross(bodies.turning[of][:, None], point) * [0.0, 1.0, 1.0])
+    ahead = bodies.advance[of][:, None] + np.cross(bodies.turning[of][:, None], point)
+    along = way * ([1.0, 0.0, 0.0] + ahead * [0.0, 1.0, 1.0])
     across = np.cross(normal, along)
     surface = velocity + np.cross(omega, arm)
     speed = np.maximum(np.linalg.norm(v[of, :3], axis=1), param["creep_speed"])[:, None]
@@ -374,11 +380,15 @@ def contact(model, bodies, q, v):
     tangential = creep(param, grown, wheel["friction"][:, None] * force_n, creepage)
     tx, tt, mz = np.moveaxis(tangential, -1, 0)[..., None]
     force = tx * along + tt * across - force_n[..., None] * normal
+    moment = np.cross(arm, force) + mz * normal
+    rise = bodies.advance[of][:, None] * [0.0, 1.0, 1.0]
+    lean = force_n[..., None] * np.sum(normal * rise, axis=-1, keepdims=True) * [1.0, 0.0, 0.0]
+    force, moment = force + lean, moment + np.cross(arm * [0.0, 1.0, 0.0], lean)
     there = loaded[..., None]
     return Patches(
         normal=force_n, creep=np.where(there, tangential, 0.0), creepage=np.where(there, creepage, 0.0),
         depth=np.where(loaded, sample[..., Node.GAP], 0.0), lateral=sample[..., Node.LATERAL],
-        force=np.where(there, force, 0.0), moment=np.where(there, np.cross(arm, force) + mz * normal, 0.0),
+        force=np.where(there, force, 0.0), moment=np.where(there, moment, 0.0),
     )  # fmt: skip
 
 

@@ -14,7 +14,8 @@ from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
 from railcli.kernels.step import advance, evaluate
-from railcli.model.track import Straight, Track, Transition, constant_track, pack
+from railcli.model.sections import Gradient, Straight, Transition
+from railcli.model.track import Track, constant_track, pack
 
 SETTLED = 1e9  # half step for which dampers with series stiffness carry no force [s]
 PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
@@ -215,15 +216,18 @@ def _follow(solve, x, stride=0.25):
             return motion, after, turning, residual, total
 
 
-def _turning(curvature, cant, base):
-    sine = cant / base
-    return 0.0, curvature * sine, curvature * np.sqrt(1.0 - sine**2)
+def _turning(curvature, cant, base, gradient):
+    """Rotation of the track frame per metre where curvature, cant and gradient are constant, in track axes [1/m]."""
+    sine, angle = cant / base, np.arctan(gradient)
+    level = curvature * np.cos(angle)
+    return -curvature * np.sin(angle), level * sine, level * np.sqrt(1.0 - sine**2)
 
 
-def steady(system, curvature, cant, speed=None, lateral=None):
-    """Quasi-static curving: the steady motion at constant speed in a constant curve.
+def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0):
+    """Quasi-static curving: the steady motion at constant speed in a constant curve, on a constant gradient.
 
-    Found by Newton's method while curvature and cant grow together from straight track.
+    Found by Newton's method while curvature, cant and gradient grow together from straight level track. In a vertical
+    curve there is no steady motion, because the direction of the weight changes.
 
     Parameters
     ----------
@@ -237,6 +241,8 @@ def steady(system, curvature, cant, speed=None, lateral=None):
     lateral : dict of int to float, optional
         Bodies that a lateral force brings from their steady place to this lateral position [m] and keeps there:
         minus data.load[i, 1] of the result [N].
+    gradient : float
+        Rise over horizontal length [-].
 
     Returns
     -------
@@ -253,15 +259,15 @@ def steady(system, curvature, cant, speed=None, lateral=None):
     base = param[0]["cant_base"]
 
     def into_curve(share, x):
-        track = pack(constant_track(share * curvature, share * cant))
+        track = pack(constant_track(share * curvature, share * cant), gradients=rising(share * gradient))
         motion = _Steady(system, freeze(system.model._replace(param=param, track=track)), speed, 0.0)
-        turning = _turning(share * curvature, share * cant, base)
+        turning = _turning(share * curvature, share * cant, base, share * gradient)
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
 
     is_straight = curvature == 0.0 and cant == 0.0
     motion, x, turning, residual, total = _follow(into_curve, None, 1.0 if is_straight else 0.25)
     if not residual < TOLERANCE:
-        motion, x, turning, residual, more = into_curve(1.0, _settle(system, param, curvature, cant, speed))
+        motion, x, turning, residual, more = into_curve(1.0, _settle(system, param, curvature, cant, speed, gradient))
         total += more
     if residual < TOLERANCE and lateral:
         model = motion.model
@@ -277,17 +283,23 @@ def steady(system, curvature, cant, speed=None, lateral=None):
         total += more
     if not residual < TOLERANCE:
         raise SimulationError(
-            f"no steady motion found at {speed:g} m/s, curvature {curvature:.4g} 1/m, cant {cant * 1e3:.3g} mm: an "
-            f"acceleration of {residual:.2g} m/s^2 stays"
+            f"no steady motion found at {speed:g} m/s, curvature {curvature:.4g} 1/m, cant {cant * 1e3:.3g} mm, "
+            f"gradient {gradient * 1e3:.3g} per mille: an acceleration of {residual:.2g} m/s^2 stays"
         )
     return _finish(motion, x, turning, residual, total)
 
 
-def _settle(system, param, curvature, cant, speed):
+def rising(gradient):
+    """Gradients of a track that rises by the same slope everywhere."""
+    return (Gradient(gradient=gradient),)
+
+
+def _settle(system, param, curvature, cant, speed, gradient):
     """First guess from a run into the curve, SETTLING long: where the path from straight track is not smooth."""
     curve = constant_track(curvature, cant).sections[0]
     into = Straight(length=RUN_IN), Transition(length=RUN_IN)
-    track = pack(Track((*into, curve.model_copy(update={"length": speed * SETTLING + RUN_IN}))))
+    track = Track((*into, curve.model_copy(update={"length": speed * SETTLING + RUN_IN})))
+    track = pack(track, gradients=rising(gradient))
     run = replace(system, model=freeze(system.model._replace(param=param, track=track)), speed=speed)
     data = run.start()
     data.q[:, 2:] = static(system).data.q[:, 2:]

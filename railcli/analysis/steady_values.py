@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railcli.errors import SimulationError
+from railcli.model.track import gradient_course
 
 from .equilibrium import steady
 
@@ -21,11 +22,14 @@ class Stretch:
     kind : {"straight", "right-hand curve", "left-hand curve"}
     curvature, cant : float
         Signed as in the core: positive in a right-hand curve [1/m], left over right rail [m].
+    gradient : float
+        Rise over horizontal length [-].
     """
 
     kind: str
     curvature: float
     cant: float
+    gradient: float = 0.0
 
     @property
     def outwards(self):
@@ -40,17 +44,25 @@ class Stretch:
 
 def final_stretch(scenario):
     """The Stretch in which the whole averaging window lies; None when the track changes there."""
-    start, begin, end = 0.0, scenario.distance - scenario.average_over, scenario.distance
+    begin, end = scenario.distance - scenario.average_over, scenario.distance
     curvatures = set()
-    for section in scenario.track.sections:
+    for start, section in scenario.track.located():
         if start < end and start + section.length > begin:
-            curvatures.add(None if section.kind == "transition" else (section.curvature, section.signed_cant))
-        start += section.length
-    if len(curvatures) != 1 or None in curvatures:
+            constant = section.kind in ("straight", "curve")
+            curvatures.add((section.curvature, section.signed_cant) if constant else None)
+    s, angle = gradient_course(scenario.track, scenario.gradients)
+    angles = np.interp([begin, *s[(s > begin) & (s < end)], end], s, angle)
+    if len(curvatures) != 1 or None in curvatures or np.ptp(angles) > 0.0:
         return None
     curvature, cant = curvatures.pop()
     kind = "straight" if curvature == 0.0 else "right-hand curve" if curvature > 0.0 else "left-hand curve"
-    return Stretch(kind, curvature, cant)
+    return Stretch(kind, curvature, cant, float(np.tan(angles[0])))
+
+
+def weight_along(scenario, stretch):
+    """Component of the vehicle's weight against the direction of travel on the stretch's gradient [N]."""
+    mass = sum(body.mass for body in scenario.vehicle.bodies)
+    return float(mass * scenario.run.gravity * np.sin(np.arctan(stretch.gradient)))
 
 
 def expected_forces(scenario, stretch):
@@ -59,14 +71,15 @@ def expected_forces(scenario, stretch):
     Returns
     -------
     lateral : float
-        In the track plane, counted outwards: m (V^2/R cos(cant) - g sin(cant)) [N].
+        In the track plane, counted outwards: m (V^2/R cos(cant) - g sin(cant)) cos(gradient) [N].
     vertical : float
-        Normal to it: m (g cos(cant) + V^2/R sin(cant)) [N].
+        Normal to it: m (g cos(cant) + V^2/R sin(cant)) cos(gradient) [N].
     """
     mass = sum(body.mass for body in scenario.vehicle.bodies)
     sine = stretch.cant / scenario.cant_base
     cosine = np.sqrt(1.0 - sine**2)
-    gravity, centrifugal = scenario.run.gravity, stretch.curvature * scenario.run.speed**2
+    level = np.cos(np.arctan(stretch.gradient))
+    gravity, centrifugal = scenario.run.gravity * level, stretch.curvature * scenario.run.speed**2 * level
     lateral = mass * (gravity * sine - centrifugal * cosine)
     return float(stretch.outwards * lateral), float(mass * (gravity * cosine + centrifugal * sine))
 
@@ -116,7 +129,7 @@ def peaks_to_peaks(system, stretch, window):
 def solved(system, stretch):
     """The steady motion by Newton's method; None when none is found."""
     try:
-        data = steady(system, stretch.curvature, stretch.cant).data
+        data = steady(system, stretch.curvature, stretch.cant, gradient=stretch.gradient).data
     except SimulationError:
         return None
     return _arranged(system, stretch, stretch.outwards, data.q, data.rail["y"], data.rail["q"])

@@ -103,6 +103,7 @@ def _run(case, with_figures, output, overwrite, quiet):
                 steady_values.peaks_to_peaks(system, stretch, window),
                 steady_values.solved(system, stretch),
                 steady_values.expected_forces(case, stretch),
+                (float(window.mean("traction")), steady_values.weight_along(case, stretch)),
             )
         files = ["scenario.json"]
         if outcome.rows:

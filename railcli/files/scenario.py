@@ -1,17 +1,22 @@
 """Scenario and vehicle files, and the ones that railcli brings along."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from pydantic import ValidationError
 
 from railcli.errors import InputError
 from railcli.model.checks import hint
-from railcli.model.scenario import Scenario
+from railcli.model.limits import Limits
+from railcli.model.scenario import Run, Scenario
+from railcli.model.track import Track, pack
 from railcli.model.vehicle import Vehicle
 
 from . import toml
 from .output import file_name
 from .resources import resource
+from .track_table import read_alignment
 
 CASES = "benchmarks/manchester/cases"
 VEHICLES = {"manchester": "benchmarks/manchester/vehicle.toml"}
@@ -49,6 +54,66 @@ def load(scenario=DEFAULT_SCENARIO):
         known = builtin_scenarios()
         raise InputError(scenario, f"no built-in scenario and not a .toml file; {hint(str(scenario), known)}")
     return _load_file(path)
+
+
+@dataclass(frozen=True, eq=False)
+class AlignmentCase:
+    """A track with what is needed to draw and to judge it; SI units.
+
+    Attributes
+    ----------
+    name, title : str
+    track : Track
+    pieces : array of PIECE
+    limits : Limits
+    cant_base, gauge : float
+    pivot : str
+    gravity : float
+    speed : float or None
+    """
+
+    name: str
+    title: str
+    track: Track
+    pieces: np.ndarray
+    limits: Limits
+    cant_base: float
+    gauge: float
+    pivot: str
+    gravity: float
+    speed: float | None
+
+
+def load_alignment(source):
+    """Alignment of a scenario (file or built-in name) or of a measured table (``.csv``), as an AlignmentCase."""
+    if str(source).lower().endswith(".csv"):
+        track = Track((read_alignment(source),))
+        fields = Scenario.model_fields
+        return AlignmentCase(
+            name=file_name(Path(source).stem),
+            title=Path(source).name,
+            track=track,
+            pieces=pack(track),
+            limits=Limits(),
+            cant_base=fields["cant_base"].default,
+            gauge=fields["contact"].default.gauge,
+            pivot=fields["cant_pivot"].default,
+            gravity=Run.model_fields["gravity"].default,
+            speed=None,
+        )
+    case = load(source)
+    return AlignmentCase(
+        name=case.name,
+        title=f"{case.name}: {case.title}" if case.title else case.name,
+        track=case.track,
+        pieces=case.pieces(),
+        limits=case.limits,
+        cant_base=case.cant_base,
+        gauge=case.contact.gauge,
+        pivot=case.cant_pivot,
+        gravity=case.run.gravity,
+        speed=case.run.speed,
+    )
 
 
 def varied(scenario, group, key, value):
@@ -106,6 +171,9 @@ def _load_file(path):
             table["vehicle"] = load_vehicle(vehicle, path.parent)
         except InputError as error:
             raise InputError(f"{path}: vehicle", str(error)) from None
+    sections = table.get("track")
+    if isinstance(sections, list):
+        table["track"] = [_with_table(section, i, path) for i, section in enumerate(sections, start=1)]
     contact = table.get("contact")
     if isinstance(contact, dict):
         for key in ("wheel_profile", "rail_profile", "table"):
@@ -113,6 +181,18 @@ def _load_file(path):
             if contact[key] is None:
                 del contact[key]
     return toml.build(Scenario, table, path)
+
+
+def _with_table(section, number, path):
+    """The same section; a measured one that names a file as what is in that file."""
+    if not (isinstance(section, dict) and section.get("kind") == "measured" and "file" in section):
+        return section
+    where = f"{path}: track[{number}]"
+    if more := sorted(set(section) - {"kind", "file"}):
+        raise InputError(where, f"{more[0]!r} beside 'file'; all columns come from the file")
+    if not isinstance(section["file"], str):
+        raise InputError(f"{where}.file", f"must be a text in quotes, got {section['file']!r}")
+    return read_alignment(path.parent / section["file"])
 
 
 def _is_path(text):

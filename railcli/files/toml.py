@@ -48,6 +48,13 @@ UNITS = {
     "Pa": Unit("Pa", symbol="Pa"),
     "GPa": Unit("Pa", times=1e9, symbol="GPa"),
     "s_per_m": Unit("s_per_m", symbol="s/m"),
+    "mm_per_s": Unit("m_per_s", over=1e3, symbol="mm/s"),
+    "m_per_m": Unit("m_per_m", symbol="m/m"),
+    "mm_per_m": Unit("m_per_m", over=1e3, symbol="mm/m"),
+    "permille": Unit("m_per_m", over=1e3, symbol="per mille"),
+    "percent": Unit("m_per_m", over=1e2, symbol="%"),
+    "1_per_m": Unit("1_per_m", symbol="1/m"),
+    "1_per_km": Unit("1_per_m", over=1e3, symbol="1/km"),
 }
 
 

@@ -39,14 +39,14 @@ def sines(roll, pitch, yaw, spins):
 
 
 @kernel
-def rates(y, z, v, k, sine, cosine):
+def rates(y, z, v, k, advance, sine, cosine):
     """dq/dt of one body.
 
-    y, z : its place in the track frame [m].  v : its six velocities.  k : rotation of the track frame per metre, in
-    track axes [1/m].  sine, cosine : as `sines`.
+    y, z : its place in the track frame [m].  v : its six velocities.  k, advance : rotation of the track frame and
+    motion of its origin per metre, in track axes [1/m, -].  sine, cosine : as `sines`.
     Returns ds/dt, dy/dt, dz/dt [m/s], droll/dt, dpitch/dt, dyaw/dt [rad/s].
     """
-    speed = v[0] / (1.0 + k[1] * z - k[2] * y)
+    speed = v[0] / (advance[0] + k[1] * z - k[2] * y)
     sr, sp, sy = sine
     cr, cp, cy = cosine
     wx, wz = cp * v[3] + sp * v[5], cp * v[5] - sp * v[3]
@@ -54,8 +54,8 @@ def rates(y, z, v, k, sine, cosine):
     yaw = (wz - speed * (cr * k[2] - sr * ky)) / cr
     return (
         speed,
-        v[1] + speed * k[0] * z,
-        v[2] - speed * k[0] * y,
+        v[1] + speed * (k[0] * z - advance[1]),
+        v[2] - speed * (k[0] * y + advance[2]),
         wx - speed * kx,
         v[4] - speed * (cr * ky + sr * k[2]) - yaw * sr,
         yaw,
@@ -63,10 +63,10 @@ def rates(y, z, v, k, sine, cosine):
 
 
 @kernel
-def put_rates(data, i, k, sine, cosine):
+def put_rates(data, i, k, advance, sine, cosine):
     """Write dq/dt of body i."""
     q, v = data.q, data.v
-    r = rates(q[i, 1], q[i, 2], (v[i, 0], v[i, 1], v[i, 2], v[i, 3], v[i, 4], v[i, 5]), k, sine, cosine)
+    r = rates(q[i, 1], q[i, 2], (v[i, 0], v[i, 1], v[i, 2], v[i, 3], v[i, 4], v[i, 5]), k, advance, sine, cosine)
     for a in range(6):
         data.rate[i, a] = r[a]
 
@@ -80,9 +80,9 @@ def drift(model, data):
         if piece < 0:
             data.fault[0] = i
             return off_track(q[i, 0])
-        k, _, _ = turning(model.track, piece, q[i, 0], base)
+        k, advance, _ = turning(model.track, piece, q[i, 0], base)
         sine, cosine = sines(q[i, 3], q[i, 4], q[i, 5], model.body[i]["spins"])
-        put_rates(data, i, k, sine, cosine)
+        put_rates(data, i, k, advance, sine, cosine)
     return 0
 
 
@@ -91,7 +91,7 @@ def drift_on(model, data):
     """As `drift`, where data.frame still holds for q."""
     for i in range(model.body.size):
         frame = data.frame[i]
-        put_rates(data, i, get(frame["rate"]), get(frame["sine"]), get(frame["cosine"]))
+        put_rates(data, i, get(frame["rate"]), get(frame["advance"]), get(frame["sine"]), get(frame["cosine"]))
 
 
 @kernel
@@ -123,7 +123,7 @@ def frames(model, data):
             axes[k, 0] = t0 * r0[0] + t1 * r1[0] + t2 * r2[0]
             axes[k, 1] = t0 * r0[1] + t1 * r1[1] + t2 * r2[1]
             axes[k, 2] = t0 * r0[2] + t1 * r1[2] + t2 * r2[2]
-        put_rates(data, i, get(frame["rate"]), sine, cosine)
+        put_rates(data, i, get(frame["rate"]), get(frame["advance"]), sine, cosine)
         omega = outward(axes, (vs[i, 3], vs[i, 4], vs[i, 5]))
         put(frame["velocity"], outward(track, (vs[i, 0], vs[i, 1], vs[i, 2])))
         put(frame["omega"], omega)

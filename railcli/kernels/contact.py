@@ -336,9 +336,9 @@ def touch(model, data):
 def slip(model, data):
     """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load, fill data.creep_damping.
 
-    The rail is at rest. Its direction at the contact differs from that of the track frame by the frame's rotation per
-    metre: by curvature ahead of the axle, and on a cant ramp by the slope of each rail. Running backwards turns the
-    contact axes x and t with the rolling direction.
+    The rail is at rest. Its direction at the contact differs from that of the track frame by the frame's rotation and
+    motion per metre: by curvature ahead of the axle, and on a cant ramp by the slope of each rail. Running backwards
+    turns the contact axes x and t with the rolling direction.
     """
     param = model.param[0]
     block = data.creep_damping
@@ -363,7 +363,7 @@ def slip(model, data):
         )
         way = 1.0 if v[0] >= 0.0 else -1.0
         per_speed = 1.0 / max(sqrt(dot(v, v)), param["creep_speed"])
-        k = get(frame["rate"])
+        k, advance = get(frame["rate"]), get(frame["advance"])
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for j in range(patches):
             contact = data.contact[w, j]
@@ -372,7 +372,11 @@ def slip(model, data):
             normal = (0.0, -slope * cosine, cosine)
             arm = (contact["arm"][0], contact["arm"][1], contact["arm"][2])
             right, down_rail = data.q[i, 1] + arm[1], data.q[i, 2] + arm[2]
-            along = (way, way * (k[2] * arm[0] - k[0] * down_rail), way * (k[0] * right - k[1] * arm[0]))
+            along = (
+                way,
+                way * (advance[1] + k[2] * arm[0] - k[0] * down_rail),
+                way * (advance[2] + k[0] * right - k[1] * arm[0]),
+            )
             across = cross(normal, along)
             arm_x, arm_t = cross(arm, along), cross(arm, across)
             xi = (dot(along, v) + dot(arm_x, omega)) * per_speed
@@ -400,8 +404,9 @@ def slip(model, data):
             contact["xi"], contact["eta"], contact["phi"] = xi, eta, phi
             contact["creep_x"], contact["creep_t"], contact["spin_moment"] = tx, tt, mz
             here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))
-            force = add(force, here)
-            moment = add(moment, add(cross(arm, here), scale(mz, normal)))
+            pull = n * (normal[1] * advance[1] + normal[2] * advance[2])  # of N: it leans with the rise of both rails
+            force = add(force, add(here, (pull, 0.0, 0.0)))
+            moment = add(moment, add(cross(arm, here), add(scale(mz, normal), (0.0, 0.0, -arm[1] * pull))))
             g0 = (along[0], along[1], along[2], dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x))
             g1 = (across[0], across[1], across[2], dot(forward, arm_t), dot(axle, arm_t), dot(down, arm_t))
             g2 = (0.0, 0.0, 0.0, dot(forward, normal), dot(axle, normal), dot(down, normal))

@@ -1,7 +1,7 @@
 """Schema of the compiled core: one documented line per field, SI units.
 
-Frames (docs/nomenclature.md): the *track frame* at arc length s has x forward, y right, z down, its origin on the
-centre line in the plane of the rail tops; the *frame of a body* follows the body's yaw, roll and pitch, but for a
+Frames (docs/nomenclature.md): the *track frame* at arc length s has x forward, y right, z down, its origin midway
+between the rails in the plane of their tops; the *frame of a body* follows the body's yaw, roll and pitch, but for a
 wheelset not its pitch, which is its spin. Left and right wheel share one contact table: the left enters it mirrored.
 """
 
@@ -88,10 +88,15 @@ PIECE = np.dtype(  # a stretch of track short enough for polynomials of u = s - 
         ("heading", "f8"),  # heading of its beginning, positive to the right [rad]
         ("cos_heading", "f8"),
         ("sin_heading", "f8"),
-        ("curvature", "f8", 4),  # coefficients in u, positive to the right [1/m, 1/m^2, ...]
+        ("z", "f8"),  # height of its beginning, down [m]
+        ("curvature", "f8", 4),  # heading per metre, coefficients in u, positive to the right [1/m, 1/m^2, ...]
         ("cant", "f8", 4),  # height of left over right rail, coefficients in u [m, -, ...]
-        ("path_x", "f8", PATH_ORDER),  # position along the first tangent, coefficients of u^1 ... [m]
-        ("path_y", "f8", PATH_ORDER),  # position right of it
+        ("lift", "f8"),  # rise of the middle of the track per cant: 0 when cant turns about it [-]
+        ("graded", "i8"),  # 0: level, the gradient is zero throughout
+        ("gradient", "f8", 2),  # angle of the rising track, coefficients in u [rad, rad/m]
+        ("path_x", "f8", PATH_ORDER),  # plan position along the first heading, coefficients of u^1 ... [m]
+        ("path_y", "f8", PATH_ORDER),  # right of it
+        ("path_z", "f8", PATH_ORDER),  # and down
     ],
     align=True,
 )
@@ -228,6 +233,7 @@ FRAME = np.dtype(  # derived: pose and motion of a body against the ground, all 
     [
         ("track", "f8", (3, 3)),  # columns: axes of its track frame
         ("rate", "f8", 3),  # rotation of the track frame per metre, in track axes [1/m]
+        ("advance", "f8", 3),  # motion of the track frame's origin per metre, in track axes [-]
         ("sine", "f8", 3),  # sines and cosines of roll, pitch (0 for a wheelset) and yaw
         ("cosine", "f8", 3),
         ("axes", "f8", (3, 3)),  # columns: axes of its frame

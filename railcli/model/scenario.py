@@ -3,18 +3,21 @@
 import hashlib
 import json
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
 from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
+from .limits import Limits
 from .profile import TAPE_TO_BACK
+from .sections import Gradient
 from .submodels import CREEP_LAWS, NORMAL_LAWS
-from .track import MARGIN, Track
+from .track import MARGIN, Track, gradient_course, pack
 from .vehicle import Vehicle
 
 STEEPEST_INCLINATION = 5.0  # 1 in ...
 OF_ONE_LAW = {"adhesion_reduction": "polach", "slip_reduction": "polach", "fastsim_grid": "fastsim"}
+WIDEST = 0.06  # measured gauge from the nominal one [m]
 
 
 class Run(Description):
@@ -114,9 +117,12 @@ class Scenario(Description):
     title: Text = ""
     description: Text = ""
     cant_base: Annotated[Real, Field(ge=0.5, le=2.2)] = Field(1.5, alias="cant_base_m")
+    cant_pivot: Literal["centre", "inner", "outer"] = "centre"  # what stays at its height where there is cant
     vehicle: Vehicle
     run: Run
     track: Track
+    gradients: tuple[Gradient, ...] = Field((), alias="gradient")
+    limits: Limits = Limits()
     contact: Contact = Contact()
     start: Start = Start()
 
@@ -137,9 +143,15 @@ class Scenario(Description):
                 f"vehicle: a body stands {self.vehicle.reach:g} m from the first one; at most {MARGIN:g} m fit on the "
                 "track that continues at both ends"
             )
+        gradient_course(self.track, self.gradients)
         for section in self.track.sections:
-            if section.kind == "curve" and abs(section.cant) >= self.cant_base:
-                raise ValueError(f"cant_base_m: must be larger than the cant, got {self.cant_base:g} m")
+            if section.kind == "measured" and section.gauge is not None:
+                worst = max(section.gauge, key=lambda gauge: abs(gauge - self.contact.gauge))
+                if abs(worst - self.contact.gauge) > WIDEST:
+                    raise ValueError(
+                        f"track: measured gauge of {worst * 1e3:.6g} mm is more than {WIDEST * 1e3:g} mm from the "
+                        f"nominal {self.contact.gauge * 1e3:g} mm of contact.gauge_mm"
+                    )
         return self
 
     @property
@@ -153,6 +165,10 @@ class Scenario(Description):
     def duration(self):
         """Time of the run at the speed asked for [s]."""
         return self.distance / self.run.speed
+
+    def pieces(self):
+        """The track packed for the compiled core."""
+        return pack(self.track, gradients=self.gradients, pivot=self.cant_pivot)
 
     @property
     def average_over(self):
@@ -180,6 +196,6 @@ class Scenario(Description):
     def digest(self):
         """Hex digest of all that decides the results; equal for equal scenarios, whatever their file looks like."""
         values = self.as_dict()
-        for key in ("name", "title", "description"):
+        for key in ("name", "title", "description", "limits"):
             del values[key]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:16]

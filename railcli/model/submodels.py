@@ -2,10 +2,14 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from railcli.errors import InputError
 from railcli.kernels.layout import Creep
 
 from .checks import hint
+
+TRANSITION_CUBICS = 32  # of the shapes that are no polynomials; sine within 6.2e-7 of its rise, cosine within 1.3e-7
 
 
 class Choice(NamedTuple):
@@ -55,10 +59,56 @@ NORMAL_LAWS = {  # value: whether the contact table holds patches
     ),
 }
 
-# A transition goes from its first to its last value of curvature and cant as this polynomial does from 0 to 1.
+class Shape(NamedTuple):
+    """Rise from 0 to 1 over 0 to 1, cubic by cubic."""
+
+    start: np.ndarray  # (n,) where each cubic begins
+    coefficients: np.ndarray  # (n, 4) in the distance from there
+
+    def __call__(self, x):
+        """Values at x (m,), between 0 and 1."""
+        piece = np.clip(np.searchsorted(self.start, x, side="right") - 1, 0, None)
+        u, c = x - self.start[piece], self.coefficients[piece].T
+        return c[0] + u * (c[1] + u * (c[2] + u * c[3]))
+
+
+def _cubics(*rows):
+    """Shape of rows (start, c0, c1, c2, c3)."""
+    rows = np.array(rows)
+    return Shape(rows[:, 0], rows[:, 1:])
+
+
+def _joined(value, slope, count=TRANSITION_CUBICS):
+    """Shape of `count` equal cubics that have value and slope of a function where they meet (Hermite)."""
+    x, h = np.linspace(0.0, 1.0, count + 1), 1.0 / count
+    v, d = value(x), slope(x)
+    rise = np.diff(v) / h
+    square = (3.0 * rise - 2.0 * d[:-1] - d[1:]) / h
+    cube = (d[:-1] + d[1:] - 2.0 * rise) / h**2
+    return Shape(x[:-1], np.column_stack([v[:-1], d[:-1], square, cube]))
+
+
+# A transition goes from its first to its last value of curvature, cant and gauge as its shape does from 0 to 1.
 TRANSITIONS = {
-    "clothoid": Choice((0.0, 1.0, 0.0, 0.0), "linear in length", "EN 13803"),
-    "bloss": Choice((0.0, 0.0, 3.0, -2.0), "3 x^2 - 2 x^3 of the length travelled", "Bloss (1936); EN 13803"),
+    "clothoid": Choice(_cubics((0.0, 0.0, 1.0, 0.0, 0.0)), "linear in length", "EN 13803"),
+    "bloss": Choice(
+        _cubics((0.0, 0.0, 0.0, 3.0, -2.0)), "3 x^2 - 2 x^3 of the length travelled", "Bloss (1936); EN 13803"
+    ),
+    "helmert": Choice(
+        _cubics((0.0, 0.0, 0.0, 2.0, 0.0), (0.5, 0.5, 2.0, -2.0, 0.0)),
+        "two parabolas, 2 x^2 and 1 - 2 (1 - x)^2 (Schramm)",
+        "EN 13803",
+    ),
+    "cosine": Choice(
+        _joined(lambda x: 0.5 - 0.5 * np.cos(np.pi * x), lambda x: 0.5 * np.pi * np.sin(np.pi * x)),
+        "(1 - cos pi x) / 2",
+        "EN 13803",
+    ),
+    "sine": Choice(
+        _joined(lambda x: x - np.sin(2.0 * np.pi * x) / (2.0 * np.pi), lambda x: 1.0 - np.cos(2.0 * np.pi * x)),
+        "x - sin(2 pi x) / 2 pi (Klein)",
+        "EN 13803",
+    ),
 }
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
 from railcli.kernels.layout import PARAM, Creep, Model, freeze, new_data
 
-from . import track as track_model
 from . import vehicle as vehicle_model
 from .contact_table import TableSettings
 from .submodels import CREEP_LAWS, choose
@@ -129,7 +128,7 @@ def assemble(scenario, tables):
     table, node, cell, branch = pool(tables)
     model = Model(
         param=parameters(scenario),
-        track=track_model.pack(scenario.track),
+        track=scenario.pieces(),
         body=packed.body,
         joint=packed.joint,
         element=packed.element,

@@ -11,7 +11,7 @@ from .text import columns, facts
 FIGURES = ("wheelsets", "wheel_loads", "lateral_forces", "accelerations")
 PIECE_POINTS = 9  # at which the curvature of a piece of track is drawn
 LABELLED = 0.12  # of the width: shorter sections are not named
-SHADE = {"transition": 0.08, "curve": 0.16}
+SHADE = {"transition": 0.08, "measured": 0.08, "curve": 0.16}
 DIFFERENCE = 1e-5  # between the end of a run and Newton's steady motion that is worth a warning [m]
 
 
@@ -70,7 +70,7 @@ def report(scenario, outcome, stretch, steady):
     outcome : Outcome
     stretch : Stretch or None
     steady : tuple or None
-        Mean, swing, Newton's motion, and the expected sums of Y and Q [N].
+        Mean, swing, Newton's motion, the expected sums of Y and Q [N], and traction and weight along the track [N].
     """
     reached = f"{outcome.distance:.1f} m, {outcome.time:.2f} s"
     lines = [f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name]
@@ -87,7 +87,7 @@ def report(scenario, outcome, stretch, steady):
         return [*lines, "", "The run does not end in one straight or curve: no steady values."]
     if steady is None:
         return lines
-    mean, swing, newton, expected = steady
+    mean, swing, newton, expected, (traction, weight) = steady
     place = "to the right" if stretch.curvature == 0.0 else "towards the outer rail"
     title = f"Steady values over the last {scenario.average_over:g} m ({stretch.kind}); lateral values {place}"
     lines += ["", title, *steady_text(stretch, mean, swing, newton)]
@@ -95,6 +95,11 @@ def report(scenario, outcome, stretch, steady):
         f"  Forces on the rails: sum Y {mean.y_force.sum() * 1e-3:.2f} kN (balance {expected[0] * 1e-3:.2f}), "
         f"sum Q {mean.q_force.sum() * 1e-3:.2f} kN (balance {expected[1] * 1e-3:.2f})"
     )
+    if stretch.gradient:
+        lines.append(
+            f"  Gradient {1e3 * stretch.gradient:.4g} per mille: traction {traction * 1e-3:.2f} kN "
+            f"(weight along the track {weight * 1e-3:.2f})"
+        )
     warning = settled(mean, newton)
     return [*lines, f"  {warning}"] if warning else lines
 
@@ -197,7 +202,7 @@ def summary(scenario, outcome, stretch, steady, provenance, files):
     }
     if steady is None:
         return record
-    mean, swing, newton, expected = steady
+    mean, swing, newton, expected, (traction, weight) = steady
     record["steady"] = {
         "stretch": stretch.kind,
         "averaged_over_m": scenario.average_over,
@@ -210,6 +215,9 @@ def summary(scenario, outcome, stretch, steady, provenance, files):
         "expected_Y_kN": expected[0] * 1e-3,
         "sum_Q_kN": float(mean.q_force.sum() * 1e-3),
         "expected_Q_kN": expected[1] * 1e-3,
+        "gradient_m_per_m": stretch.gradient,
+        "traction_kN": traction * 1e-3,
+        "weight_along_kN": weight * 1e-3,
         "warning": settled(mean, newton),
     }
     return record

@@ -2,13 +2,15 @@
 
 import naive
 import numpy as np
+import pytest
 import scenes
 import tolerances as tol
 from numpy.testing import assert_allclose
 
 from benchmarks.speed import numpy_twin
 from railcli.analysis.equilibrium import static
-from railcli.model.track import constant_track
+from railcli.model.sections import Gradient, Straight
+from railcli.model.track import Track, constant_track, pack
 
 
 def undamped(system):
@@ -107,3 +109,20 @@ def test_bouncing_wagon_keeps_energy(wagon):
         errors.append((found - found[0]).std() / scale)
     assert errors[0] < tol.BOUNCE_ENERGY
     assert_allclose(errors[0] / errors[1], 4.0, rtol=tol.ENERGY_ORDER)
+
+
+def test_coasting_wagon_trades_height_for_speed(wagon):
+    """Let go on frictionless rails, down into a valley: weight, motion, springs and contacts exchange energy."""
+    gradients = Gradient(at=0.0, gradient=-0.03), Gradient(at=25.0, gradient=0.02, radius=800.0)
+    track = pack(Track((Straight(length=50.0),)), gradients=gradients)
+    free = scenes.edited(scenes.tuned(undamped(wagon), speed=10.0, hold=0.0), "wheel", friction=0.0)
+    system = scenes.replaced(scenes.tuned(free, step=0.1e-3), track=track)
+    v = np.zeros((7, 6))
+    v[:, 0] = 10.0
+    data = scenes.data_at(system.model, static(system).data.q, v)
+    mass, high = system.model.body["mass"], data.frame["position"][:, 2].copy()
+    found = course(system, data, 2.0, 40)
+    work = 9.81 * mass @ (data.frame["position"][:, 2] - high)
+    gained = 0.5 * mass @ (data.v[:, 0] ** 2 - 100.0)
+    assert data.v[0, 0] > 10.3 and gained == pytest.approx(work, rel=tol.COASTING)
+    assert np.abs(found - found[0]).max() < tol.COASTING_ENERGY * work

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from benchmarks.speed import equality, numpy_twin
 from railcli.kernels.layout import Creep
 from railcli.kernels.step import advance, evaluate
+from railcli.model.track import pack
 
 BASE = 1.5
 
@@ -21,22 +22,25 @@ def random_motion(rng, n):
     return q, rng.uniform(-1, 1, (n, 6)) * [60, 5, 5, 3, 3, 3]
 
 
-def test_rates_move_the_body(wagon):
+@pytest.mark.parametrize(("gradients", "pivot"), [((), "centre"), (scenes.HILLS, "inner")], ids=["level", "hills"])
+def test_rates_move_the_body(wagon, gradients, pivot):
     """Coordinates that change at the core's rates carry the centre at v and turn the axes at omega."""
     n, h = 40, 1e-4
     spins = np.arange(n) % 2
-    system = scenes.floating(scenes.bodies(wagon, np.ones(n), np.ones((n, 3)), spins), scenes.WINDING)
+    pieces = pack(scenes.WINDING, gradients=gradients, pivot=pivot)
+    system = scenes.floating(scenes.bodies(wagon, np.ones(n), np.ones((n, 3)), spins), pieces)
+    at = BASE, gradients, pivot
     q, v = random_motion(np.random.default_rng(1), n)
     data = scenes.data_at(system.model, q, v)
     for i in range(n):
         (ahead, turned), (behind, turned_back) = (
-            naive.body_pose(scenes.WINDING, q[i] + d * data.rate[i], BASE) for d in (h, -h)
+            naive.body_pose(scenes.WINDING, q[i] + d * data.rate[i], *at) for d in (h, -h)
         )
-        track = naive.track_pose(scenes.WINDING, q[i, 0], BASE)[1]
+        track = naive.track_pose(scenes.WINDING, q[i, 0], *at)[1]
         assert_allclose(track.T @ (ahead - behind) / (2 * h), v[i, :3], atol=tol.RATE)
-        spin = (turned - turned_back) / (2 * h) @ naive.body_pose(scenes.WINDING, q[i], BASE)[1].T
+        spin = (turned - turned_back) / (2 * h) @ naive.body_pose(scenes.WINDING, q[i], *at)[1].T
         omega = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
-        own = naive.body_pose(scenes.WINDING, q[i] * [1, 1, 1, 1, 1 - spins[i], 1], BASE)[1]
+        own = naive.body_pose(scenes.WINDING, q[i] * [1, 1, 1, 1, 1 - spins[i], 1], *at)[1]
         assert_allclose(own.T @ omega, v[i, 3:], atol=tol.RATE)
         assert_allclose(data.frame[i]["omega"], omega, atol=tol.RATE)
         assert_allclose(data.frame[i]["axes"], own, atol=tol.TRACK_AXES)
@@ -44,12 +48,15 @@ def test_rates_move_the_body(wagon):
 
 @pytest.mark.parametrize("law", equality.LAWS, ids=lambda law: law.name)
 @pytest.mark.parametrize("half_step", [0.0, 0.25e-3, 1e9])
-def test_right_hand_side_against_twin(wagon, law, half_step):
+@pytest.mark.parametrize("hilly", [False, True], ids=["level", "hills"])
+def test_right_hand_side_against_twin(wagon, law, half_step, hilly):
     """Track, kinematics, suspension, contact, creep and inertia forces all at once, at random states."""
     rng = np.random.default_rng(3)
     system = scenes.tuned(wagon, creep_law=int(law))
+    if hilly:
+        system = scenes.replaced(system, track=pack(scenes.WINDING, gradients=scenes.HILLS, pivot="inner"))
     patches = []
-    for place in np.linspace(5.0, 600.0, 12):
+    for place in np.linspace(5.0, 270.0 if hilly else 600.0, 12):
         data = equality.shaken(system, rng, place)
         q, v = data.q.copy(), data.v.copy()
         assert evaluate(system.model, data, half_step) == 0

@@ -14,7 +14,7 @@ from railcli.files import toml
 from railcli.files.resources import resource
 from railcli.files.scenario import builtin_scenarios, load
 from railcli.kernels.layout import Creep
-from railcli.model import elements, scenario, track, vehicle
+from railcli.model import elements, limits, scenario, sections, vehicle
 from railcli.model.checks import Description
 from railcli.model.submodels import CREEP_LAWS, choose
 
@@ -130,6 +130,7 @@ def test_as_dict_says_units():
         "radius_m": 1200.0,
         "hand": "right",
         "cant_m": 0.09,
+        "gauge_widening_m": 0.0,
     }
     assert values["vehicle"]["body"][0]["mass_kg"] == 32000.0
 
@@ -182,7 +183,7 @@ BAD = [
     ("speed_m_per_s = 20", "speed_m_per_s = 0", "run.speed_m_per_s: must be > 0 m/s, got 0"),
     ("speed_m_per_s = 20", "speed_kmh = 720", "run.speed_kmh: must be <= 540 km/h, got 720"),
     ("speed_m_per_s = 20", "sped_kmh = 72", "run.sped_kmh: unknown key; did you mean 'speed_kmh'?"),
-    ("speed_m_per_s = 20", "speed = 72", "run.speed: unknown key; did you mean 'speed_m_per_s' or 'speed_kmh'?"),
+    ("speed_m_per_s = 20", "speed = 72", "run.speed: unknown key; did you mean 'speed_m_per_s' or 'speed_kmh' or "),
     ("speed_m_per_s = 20", "", "run: key 'speed_m_per_s' is missing"),
     ("= 20", "= 20\nstep_ms = 0", "run.step_ms: must be > 0 ms, got 0"),
     ("= 20", "= 20\nstep_ms = 3", "run.step_ms: must be <= 2 ms, got 3"),
@@ -220,7 +221,7 @@ BAD = [
     (
         'kind = "straight"',
         'kind = "strait"',
-        "track[1].kind: must be one of 'straight', 'curve', 'transition', got 'strait'",
+        "track[1].kind: must be one of 'straight', 'curve', 'transition', 'measured', got 'strait'",
     ),
     ('kind = "straight"', 'kind = "strait"', "did you mean 'straight'?"),
     ('kind = "straight"', "", "track[1]: key 'kind' is missing"),
@@ -311,7 +312,7 @@ def test_registry_gives_a_near_name():
 
 
 def descriptions():
-    for module in (scenario, track, vehicle, elements):
+    for module in (scenario, sections, limits, vehicle, elements):
         for item in vars(module).values():
             if isinstance(item, type) and issubclass(item, Description) and item.__module__ == module.__name__:
                 if not item.__name__.startswith("_"):

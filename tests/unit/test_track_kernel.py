@@ -13,35 +13,57 @@ from railcli.kernels.track import find_piece
 from railcli.model.track import MARGIN, pack
 
 BASE = 1.5
+HILLY = [  # gradients, pivot
+    pytest.param((), "centre", id="level"),
+    pytest.param((), "inner", id="level-inner"),
+    pytest.param(scenes.HILLS, "centre", id="hills"),
+    pytest.param(scenes.HILLS, "outer", id="hills-outer"),
+]
 PLACES = np.concatenate([np.linspace(0.01, scenes.WINDING.length - 0.01, 57), [20.0, 60.0, 90.0, 160.0, 190.0]])
 
 
-def frames_at(wagon, places):
+def frames_at(wagon, places, gradients=(), pivot="centre"):
     """The core's frames of bodies that stand at these arc lengths, on the centre line."""
     n = len(places)
-    system = scenes.floating(scenes.bodies(wagon, np.ones(n), np.ones((n, 3)), np.zeros(n)), scenes.WINDING)
+    pieces = pack(scenes.WINDING, gradients=gradients, pivot=pivot)
+    system = scenes.floating(scenes.bodies(wagon, np.ones(n), np.ones((n, 3)), np.zeros(n)), pieces)
     q = np.zeros((n, 6))
     q[:, 0] = places
     return scenes.data_at(system.model, q, np.zeros((n, 6))).frame
 
 
-def test_origin_and_axes(wagon):
-    """Heading about z, then cant about x, at every kind of section."""
-    for s, frame in zip(PLACES, frames_at(wagon, PLACES), strict=True):
-        origin, axes = naive.track_pose(scenes.WINDING, s, BASE)
+@pytest.mark.parametrize(("gradients", "pivot"), HILLY)
+def test_origin_and_axes(wagon, gradients, pivot):
+    """Heading about z, gradient about y, then cant about x, at every kind of section."""
+    for s, frame in zip(PLACES, frames_at(wagon, PLACES, gradients, pivot), strict=True):
+        origin, axes = naive.track_pose(scenes.WINDING, s, BASE, gradients, pivot)
         assert_allclose(frame["position"], origin, atol=tol.TRACK_PLACE)
         assert_allclose(frame["track"], axes, atol=tol.TRACK_AXES)
 
 
-def test_rotation_per_metre(wagon):
-    """The angular velocity of the frame at 1 m/s, by central differences of its axes."""
-    h = 1e-3
-    for s, frame in zip(PLACES[:57], frames_at(wagon, PLACES[:57]), strict=True):
-        if np.abs(np.cumsum([section.length for section in scenes.WINDING.sections]) - s).min() < 2 * h:
+@pytest.mark.parametrize(("gradients", "pivot"), HILLY)
+def test_rotation_and_motion_per_metre(wagon, gradients, pivot):
+    """The angular velocity of the frame and the velocity of its origin at 1 m/s, by central differences."""
+    h, reversal = 1e-3, 90.0 + 70.0 * 0.5680644  # cant 0.15 - 0.25 (3 x^2 - 2 x^3) is zero there
+    kinks = np.append(np.cumsum([section.length for section in scenes.WINDING.sections]), reversal)
+    kinks = np.append(kinks, naive.bends(gradients))
+    for s, frame in zip(PLACES[:57], frames_at(wagon, PLACES[:57], gradients, pivot), strict=True):
+        if np.abs(kinks - s).min() < 2 * h:
             continue
-        ahead, behind = (naive.track_pose(scenes.WINDING, s + d, BASE)[1] for d in (h, -h))
+        (o1, ahead), (o0, behind) = (naive.track_pose(scenes.WINDING, s + d, BASE, gradients, pivot) for d in (h, -h))
         spin = frame["track"].T @ (ahead - behind) / (2 * h)
         assert_allclose(frame["rate"], (spin[2, 1], spin[0, 2], spin[1, 0]), atol=tol.TRACK_TURNING)
+        moved = frame["track"].T @ (o1 - o0) / (2 * h)
+        assert_allclose(frame["advance"], moved, atol=tol.TRACK_MOTION)
+
+
+def test_rails_turn_about_the_pivot(wagon):
+    """The pivot rail, half the cant base from the middle, keeps the height that it has on level track."""
+    side = {"inner": 1.0, "outer": -1.0}  # of a right-hand curve: +1 right
+    for pivot in side:
+        (frame,) = frames_at(wagon, [75.0], (), pivot)
+        rail = frame["position"] + frame["track"] @ [0.0, side[pivot] * BASE / 2, 0.0]
+        assert rail[2] == pytest.approx(0.0, abs=tol.PLACE)
 
 
 def test_right_hand_curve(wagon):

@@ -64,13 +64,13 @@ void slip(const struct model *model, struct data *data)
         vec v = get(data->v[i]);
         vec omega = add(add(scale(data->v[i][3], forward), scale(data->v[i][4], axle)), scale(data->v[i][5], down));
         double way = v.x >= 0.0 ? 1.0 : -1.0, per_speed = 1.0 / fmax(sqrt(dot(v, v)), param->creep_speed);
-        vec k = get(frame->rate), force = {0, 0, 0}, moment = {0, 0, 0};
+        vec k = get(frame->rate), advance = get(frame->advance), force = {0, 0, 0}, moment = {0, 0, 0};
         for (int j = 0; j < (int)rail->patches; j++) {
             struct contact *contact = &data->contact[w][j];
             double slope = contact->slope, cosine = 1.0 / sqrt(1.0 + slope * slope), n = contact->normal;
             vec normal = {0.0, -slope * cosine, cosine}, arm = get(contact->arm);
             double y = data->q[i][1] + arm.y, z = data->q[i][2] + arm.z;
-            vec along = {way, way * (k.z * arm.x - k.x * z), way * (k.x * y - k.y * arm.x)};
+            vec along = {way, way * (advance.y + k.z * arm.x - k.x * z), way * (advance.z + k.x * y - k.y * arm.x)};
             vec across = cross(normal, along);
             vec arm_x = cross(arm, along), arm_t = cross(arm, across);
             double t[3], slope_of[3][3];
@@ -81,8 +81,10 @@ void slip(const struct model *model, struct data *data)
                                 contact->phi, t, slope_of);
             contact->creep_x = t[0], contact->creep_t = t[1], contact->spin_moment = t[2];
             vec here = add(add(scale(t[0], along), scale(t[1], across)), scale(-n, normal));
-            force = add(force, here);
-            moment = add(moment, add(cross(arm, here), scale(t[2], normal)));
+            double pull = n * (normal.y * advance.y + normal.z * advance.z);
+            vec lean = {pull, 0.0, 0.0}, yawing = {0.0, 0.0, -arm.y * pull};
+            force = add(force, add(here, lean));
+            moment = add(moment, add(cross(arm, here), add(scale(t[2], normal), yawing)));
             double g[3][6] = {
                 {along.x, along.y, along.z, dot(forward, arm_x), dot(axle, arm_x), dot(down, arm_x)},
                 {across.x, across.y, across.z, dot(forward, arm_t), dot(axle, arm_t), dot(down, arm_t)},
