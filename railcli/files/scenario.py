@@ -108,7 +108,8 @@ def _load_file(path):
             raise InputError(f"{path}: vehicle", str(error)) from None
     contact = table.get("contact")
     if isinstance(contact, dict):
-        for key in ("wheel_profile", "rail_profile", "table"):
+        names = "wheel_profile", "rail_profile", "table"
+        for key in (*names, *(f"left_{name}" for name in names)):
             contact[key] = _beside(contact.get(key), path)
             if contact[key] is None:
                 del contact[key]

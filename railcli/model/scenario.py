@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
+from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
 from .profile import TAPE_TO_BACK
 from .submodels import CREEP_LAWS, NORMAL_LAWS
 from .track import MARGIN, Track
@@ -48,14 +48,17 @@ class Run(Description):
 class Contact(Description):
     """Wheels, rails and what acts between them."""
 
-    wheel_profile: Name = "ORES1002"  # a bundled one, or a file
-    rail_profile: Name = "UIC60"
+    wheel_profile: Place = "ORES1002"  # a bundled one, or a file
+    rail_profile: Place = "UIC60"
+    left_wheel_profile: Place | None = None  # as a right-hand profile; None: the right one
+    left_rail_profile: Place | None = None
     inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: upright
     gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
     creep_law: one_of(CREEP_LAWS) = "hard"
-    table: Name | None = None  # file of a contact table already built
+    table: Place | None = None  # file of a contact table already built
+    left_table: Place | None = None  # likewise of the left side; None: the right one
     young: Positive = Field(210e9, alias="young_Pa")
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
     damping: Annotated[NotNegative, Field(le=100.0)] = Field(2.0, alias="damping_s_per_m")
@@ -74,6 +77,13 @@ class Contact(Description):
                 f"no wheelset fits: flange back {self.flange_back * 1e3:g} mm, gauge {self.gauge * 1e3:g} mm"
             )
         return self
+
+    @property
+    def sides(self):
+        """Wheel profile, rail profile and table file of the right and of the left side."""
+        right = self.wheel_profile, self.rail_profile, self.table
+        left = self.left_wheel_profile, self.left_rail_profile, self.left_table
+        return right, tuple(one if other is None else other for one, other in zip(right, left, strict=True))
 
     @property
     def tape_circle(self):
@@ -117,6 +127,10 @@ class Scenario(Description):
                 f"vehicle: a body stands {self.vehicle.reach:g} m from the first one; at most {MARGIN:g} m fit on the "
                 "track that continues at both ends"
             )
+        right, left = self.contact.sides
+        radii = [self.vehicle.bodies[i].wheel_radii for i in self.vehicle.wheelsets]
+        if right[2] and right[2] == left[2] and (right != left or any(one != other for one, other in radii)):
+            raise ValueError("contact.table: is for one side, and the sides differ; give contact.left_table as well")
         for section in self.track.sections:
             if section.kind == "curve" and abs(section.cant) >= self.cant_base:
                 raise ValueError(f"cant_base_m: must be larger than the cant, got {self.cant_base:g} m")
@@ -162,4 +176,8 @@ class Scenario(Description):
         values = self.as_dict()
         for key in ("name", "title", "description"):
             del values[key]
+        left = zip(("left_wheel_profile", "left_rail_profile", "left_table"), self.contact.sides[1], strict=True)
+        values["contact"].update(left)
+        for body, values_of_body in zip(self.vehicle.bodies, values["vehicle"]["body"], strict=True):
+            values_of_body["left_wheel_radius_m"] = body.wheel_radii[1]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:16]

@@ -103,6 +103,19 @@ def test_files_are_beside_the_scenario(load_text, tmp_path):
     assert case.contact.wheel_profile == "ORES1002"
 
 
+def test_left_side(load_text, tmp_path):
+    """Files of the left side stand beside the scenario too, however long their names; what is not given is as right."""
+    long = "/".join(["a folder with a long name"] * 5)
+    case = load_text(
+        SHORT + f'[contact]\nwheel_profile = "worn.csv"\nleft_rail_profile = "{long}/rail.csv"\nleft_table = "l.h5"'
+    )
+    worn = str(tmp_path / "worn.csv")
+    assert case.contact.sides == (
+        (worn, "UIC60", None),
+        (worn, str(tmp_path / long / "rail.csv"), str(tmp_path / "l.h5")),
+    )
+
+
 def test_varied_is_validated():
     case = load("curve-1200-45")
     other = case.varied(run={"speed": 30.0}, contact={"friction": 0.4, "creep_law": "smooth"}, name="other")
@@ -211,6 +224,11 @@ BAD = [
         "contact.gauge_kg: unknown key; did you mean 'gauge_m' or 'gauge_mm'",
     ),
     ("[run]", "[contact]\nwheel_profile = 3\n[run]", "contact.wheel_profile: must be a text in quotes, got 3"),
+    (
+        "[run]",
+        "[contact]\ntable = 't.h5'\nleft_wheel_profile = '60E1'\n[run]",
+        "contact.table: is for one side, and the sides differ; give contact.left_table as well",
+    ),
     ("[run]", "contact = 3\n[run]", "contact: must be a table, got 3"),
     ("[run]", "[start]\nlateral_mm = 30\n[run]", "start.lateral_mm: must be <= 10 mm, got 30"),
     ("[run]", "vehicle = 'mancester'\n[run]", "vehicle: mancester: no built-in vehicle"),
