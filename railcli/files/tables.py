@@ -39,6 +39,9 @@ ARRAYS = {
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
 }
+UNREADABLE = (  # what h5py, json and our own descriptions raise on a file that holds something else
+    OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError, ArithmeticError, MemoryError,
+)  # fmt: skip
 UNITS = "m, -, m/rad, m/rad^2, m, m, m, m, N/m^1.5, m^0.5, m^0.5, N/m, N/m, N/m^0.5, N, -"
 OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, and units per SI unit
     "inclination": ("--inclination", "", 1.0),
@@ -201,7 +204,7 @@ def read(path):
             **arrays,
         )
         problem = _inconsistency(table)
-    except (OSError, KeyError, TypeError, ValueError, AttributeError) as error:
+    except UNREADABLE as error:
         text = " ".join(str(error).split())
         raise InputError(path, f"does not hold a contact table ({text}); {_build_again(path)}") from error
     if problem:

@@ -22,7 +22,7 @@ class Run(Description):
     speed: Annotated[Positive, Field(le=150.0)] = Field(alias="speed_m_per_s")
     distance: Positive | None = Field(None, alias="distance_m")
     duration: Positive | None = Field(None, alias="duration_s")
-    step: Annotated[Positive, Field(le=2e-3)] = Field(0.5e-3, alias="step_s")
+    step: Annotated[Real, Field(ge=1e-6, le=2e-3)] = Field(0.5e-3, alias="step_s")
     output_interval: Annotated[Positive, Field(le=10.0)] = Field(10e-3, alias="output_interval_s")
     average_over: Positive = Field(100.0, alias="average_over_m")
     gravity: Annotated[Positive, Field(le=100.0)] = Field(9.81, alias="gravity_m_per_s2")

@@ -12,7 +12,7 @@ from pydantic import Field, RootModel, model_validator
 
 from railcli.kernels.layout import PATH_ORDER, PIECE
 
-from .checks import Description, Positive, Real, one_of
+from .checks import Description, Real, one_of
 from .submodels import TRANSITIONS
 
 MARGIN = 50.0  # track that continues before the first and after the last section [m]
@@ -20,7 +20,7 @@ LONGEST_PIECE = 25.0  # [m]
 LARGEST_TURN = 0.1  # of a piece [rad]
 REMAINDER = 1e-13  # largest sum of the neglected terms of a piece's position [m]
 
-Length = Annotated[Positive, Field(le=1e6)]
+Length = Annotated[Real, Field(ge=1e-3, le=1e6)]
 
 
 class Straight(Description):
