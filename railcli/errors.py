@@ -21,7 +21,12 @@ class InputError(RailcliError):
     exit_code = 2
 
     def __init__(self, where, message):
-        super().__init__(f"{where}: {message}")
+        super().__init__(_one_line(f"{where}: {message}"))
+
+
+def _one_line(text):
+    """The text with line ends and control characters, which names in users' files may hold, written as escapes."""
+    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 
 class SimulationError(RailcliError):

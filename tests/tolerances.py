@@ -170,6 +170,10 @@ SECOND_ORDER = 0.1  # the table's slopes bend at its nodes, which each step size
 OTHER_CODE = 1e-9  # demanded; contraction of a * b + c rounds once less
 KLINGEL = 6e-3  # his formula leaves out r tan(angle) / b, half of it in a wavelength: 0.8 % at 0.025; measured 0.5 %
 SPIN = 1e-9  # relative, over 2000 steps: rounding of forces of 1e5 N
+CONE_PLACE = 1e-7  # [m] cells of 1 mm interpolated over a round rail, over a slope of 0.05; Newton stops at 1e-7 m/s^2
+CONE_ROLL = 1e-8  # [rad] loads that differ by 1e-3 press in by 5e-9 m more or less, over 1.5 m
+PRESSED_IN = 3e-5  # [m] what 10 kN press a wheel of 0.46 m into a head of 0.3 m: 1.9e-5
+GRID_ROUNDING = 1e-12  # [m] a whole number of steps
 STRAIGHT_ON = 0.02  # gravity on a round rail pushes back a little
 
 # --- Non-Hertzian patches ---

@@ -54,6 +54,7 @@ class _Steady:
         self.data = system.start(s)
         self.rest = system.rest
         self.damper = system.damper
+        self.mean_radii = system.mean_radii
         spins = model.body["spins"].astype(bool)
         n = spins.size
         coordinate = np.zeros((n, 6), bool)
@@ -78,10 +79,14 @@ class _Steady:
         x = np.zeros(self.size)
         q = self.rest.copy()
         q[:, 2] += touching_depth(self.model) + PRESSED
+        for right in range(0, self.model.wheel.size, 2):
+            if sides_differ(self.model, right):
+                body = self.model.wheel[right]["body"]
+                q[body, 2], q[body, 3] = seat(self.model, right)
+                q[body, 2] += PRESSED
         x[: self.n_q] = q[self.coordinate]
         if self.moving:
-            radius = {wheel["body"]: wheel["radius"] for wheel in self.model.wheel}
-            x[self.n_q : -1] = [-speed / radius[i] for i in np.flatnonzero(self.spins)]
+            x[self.n_q : -1] = -speed / self.mean_radii
             x[-1] = speed
         return x
 
@@ -127,11 +132,23 @@ class _Steady:
         return self.data.dv.ravel()[self.free], 0
 
 
-def touching_depth(model):
-    """How far the first wheel must sink from nominal, centred and upright, until it touches its rail [m]."""
+def sides_differ(model, right):
+    """True when the right wheel of this index and the left one beside it differ in radius or contact table."""
+    return bool((model.wheel[right : right + 2][["radius", "table"]] != model.wheel[right][["radius", "table"]]).any())
+
+
+def seat(model, right):
+    """Height z [m] and roll [rad] of a centred wheelset that touches both rails; `right` its right wheel."""
+    wheels = model.wheel[right : right + 2]
+    heights = [touching_depth(model, right + k) - wheels[k]["radius"] for k in (0, 1)]
+    return 0.5 * sum(heights), np.arcsin(0.5 * (heights[0] - heights[1]) / wheels[0]["lateral"])
+
+
+def touching_depth(model, index=0):
+    """How far a wheel must sink from nominal, centred and upright, until it touches its rail [m]."""
     deep = 5e-3
     sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
-    wheel = model.wheel[0]
+    wheel = model.wheel[index]
     table = model.table[wheel["table"]]
     if look_up(table, model.node, model.cell, model.branch, 0.0, 0.0, 0.0, deep, sample) < 1:
         raise SimulationError("a centred wheel does not touch its rail within 5 mm of its nominal height")
@@ -176,6 +193,9 @@ def _finish(motion, x, turning, residual, iterations):
 def static(system):
     """The vehicle at rest on straight level track.
 
+    Wheelsets whose sides differ stand centred: friction keeps them there, and forces that would move them are not
+    looked at.
+
     Returns
     -------
     Equilibrium
@@ -188,7 +208,9 @@ def static(system):
     param = system.model.param.copy()
     param["speed"] = 0.0
     model = freeze(system.model._replace(param=param, track=pack(constant_track(0.0, 0.0))))
-    motion = _Steady(system, model, 0.0, 0.0)
+    wheels = model.wheel
+    held = {wheels[i]["body"]: 0.0 for i in range(0, wheels.size, 2) if sides_differ(model, i)}
+    motion = _Steady(system, model, 0.0, 0.0, held)
     x, residual, iterations = _newton(motion, motion.first_guess(0.0), (0.0, 0.0, 0.0))
     if not residual < TOLERANCE:
         raise SimulationError(f"no static equilibrium found: an acceleration of {residual:.2g} m/s^2 stays")

@@ -23,6 +23,7 @@ RAIL_REACH = 0.010  # running surface to both sides of the top that a table need
 WHEEL_REACH = (-0.035, 0.020)  # running surface that a table needs: flange root and tread [m]
 GAP = 3e-3  # between neighbouring points, from which the report warns [m]
 LEAN = np.radians(0.5)  # of the head, from which the report warns that it may be inclined already
+LARGEST_SHIFT = 0.1  # of a wheel to the field side [m]
 LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
 
 
@@ -99,6 +100,9 @@ def convert(measured, settings):
     if settings.shift_y:
         if kind.choice == "rail":
             raise InputError("--shift-y", "is for wheels; a rail's origin is its highest point")
+        if not abs(settings.shift_y) <= LARGEST_SHIFT:
+            most = f"{LARGEST_SHIFT * 1e3:g} mm"
+            raise InputError("--shift-y", f"is {settings.shift_y * 1e3:g} mm; allowed: -{most} to {most}")
         y = y + settings.shift_y
         decisions.append(Decision("shift y", f"{settings.shift_y * 1e3:g} mm", "given"))
     curation = Curation(path, kind.choice, y, aligned.z, aligned.lines).run()

@@ -27,6 +27,8 @@ BUNDLED = {
 }
 LARGEST_FILE_MB = 10
 FEWEST_POINTS, MOST_POINTS = 10, 20_000
+MOST_LINES, LONGEST_LINE = 100_000, 100_000  # bytes of a line
+LARGEST_NUMBER = 1e9  # in any unit; no profile has one, and its square is still a number
 WIDTH_MM = {"rail": (57.0, 87.0), "wheel": (60.0, 200.0)}  # a rail's head: 72 mm +- 15 mm
 CURVE_MM = (5.0, 500.0)  # length of the curve
 BACK_MM = 0.02  # a step back in y that passes as noise of a measurement
@@ -116,7 +118,7 @@ def _text(path, kind):
 
 
 def plain_text(path, advice="give a text file"):
-    """The text of a regular file of at most 10 MB without bytes that no text has; else an InputError."""
+    """The text of a regular file of at most 10 MB in lines, without bytes that no text has; else an InputError."""
     try:
         if not path.is_file():
             raise InputError(path, f"this is not a regular file; {advice}")
@@ -129,6 +131,11 @@ def plain_text(path, advice="give a text file"):
     strange = set(data) & (set(range(32)) - set(b"\t\n\r\f"))
     if strange:
         raise InputError(path, f"this is a binary file (it contains byte {min(strange)}); a text file is needed")
+    if (count := max(data.count(b"\n"), data.count(b"\r"))) > MOST_LINES:
+        raise InputError(path, f"{count} lines; a profile file may have at most {MOST_LINES}: thin the points out")
+    for number, line in enumerate(data.replace(b"\r", b"\n").split(b"\n"), start=1):
+        if len(line) > LONGEST_LINE:
+            raise InputError(f"{path}, line {number}", f"{len(line)} bytes in one line; {advice}")
     return data.decode("utf-8-sig", errors="replace")
 
 
@@ -158,8 +165,11 @@ def _table(text, path):
                 f"found {line[:60]!r}; {len(columns)} numbers ({', '.join(columns)}) with decimal points are needed",
             )
         row = tuple(map(float, fields))
-        if not all(map(math.isfinite, row)):
-            raise InputError(f"{path}, line {number}", f"found {line[:60]!r}; every number must be finite")
+        if not all(abs(value) <= LARGEST_NUMBER for value in row):
+            raise InputError(
+                f"{path}, line {number}",
+                f"found {line[:60]!r}; every number must be finite and at most {LARGEST_NUMBER:g}",
+            )
         if rows and row == rows[-1]:
             continue
         rows.append(row)

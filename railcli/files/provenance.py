@@ -41,6 +41,7 @@ def provenance(scenario=None, tables=()):
             {
                 "key": table.key,
                 "method": table.method,
+                "wheel_radius_m": table.settings.radius,
                 "wheel": {"name": table.wheel_name, "sha256": table.wheel_digest},
                 "rail": {"name": table.rail_name, "sha256": table.rail_digest},
             }

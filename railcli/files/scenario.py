@@ -140,8 +140,10 @@ def varied(scenario, group, key, value):
     try:
         return scenario.varied(**{group: {field: si}})
     except ValidationError as error:
-        problem = error.errors(include_url=False)[0]["msg"].removeprefix("Value error, ")
-        raise InputError(f"{group}.{key}", f"{problem[0].lower()}{problem[1:]}; got {value:g}") from None
+        problem = error.errors(include_url=False)[0]
+        text = problem["msg"].removeprefix("Value error, ")
+        allowed = toml.out_of_bounds(problem, unit) or f"{text[0].lower()}{text[1:]}"
+        raise InputError(f"{group}.{key}", f"{allowed}; got {value:g}") from None
 
 
 def load_vehicle(vehicle, folder=None):
@@ -176,7 +178,8 @@ def _load_file(path):
         table["track"] = [_with_table(section, i, path) for i, section in enumerate(sections, start=1)]
     contact = table.get("contact")
     if isinstance(contact, dict):
-        for key in ("wheel_profile", "rail_profile", "table"):
+        names = "wheel_profile", "rail_profile", "table"
+        for key in (*names, *(f"left_{name}" for name in names)):
             contact[key] = _beside(contact.get(key), path)
             if contact[key] is None:
                 del contact[key]

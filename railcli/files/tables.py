@@ -22,7 +22,7 @@ from railcli.errors import InputError
 from railcli.kernels import jit
 from railcli.kernels.layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Press
 from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
-from railcli.model.system import table_settings
+from railcli.model.system import needed, table_settings
 
 from .output import cache_folder, whole_hdf5
 from .profiles import BUNDLED, load_profile
@@ -39,6 +39,9 @@ ARRAYS = {
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
 }
+UNREADABLE = (  # what h5py, json and our own descriptions raise on a file that holds something else
+    OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError, ArithmeticError, MemoryError,
+)  # fmt: skip
 UNITS = (
     "-, 1/m, -, m/rad, 1/rad, m/rad, m/rad^2, 1/rad^2, m/rad^2, "
     "m, -, m, m, -, m, m, N/m^1.5, m^0.5, m^0.5, N/m, N/m, N/m^0.5, N, -"
@@ -98,7 +101,7 @@ class Expected:
             given = getattr(self, f"{profile}_given") or getattr(self, profile).name
             if given != name:
                 words += [option, given]
-        for key in self.matters:
+        for key in OPTIONS:
             if getattr(self.settings, key) != getattr(default, key):
                 words += [OPTIONS[key][0], in_units(key, getattr(self.settings, key))]
         return shlex.join([*words, "-o", str(path), "--overwrite"])
@@ -204,7 +207,7 @@ def read(path):
             **arrays,
         )
         problem = _inconsistency(table)
-    except (OSError, KeyError, TypeError, ValueError, AttributeError) as error:
+    except UNREADABLE as error:
         text = " ".join(str(error).split())
         raise InputError(path, f"does not hold a contact table ({text}); {_build_again(path)}") from error
     if problem:
@@ -389,16 +392,14 @@ def table_for(settings, wheel, rail, quiet=False, announce=None):
 
 
 def tables_for(scenario, quiet=False, announce=None):
-    """Contact tables of a scenario, one for each of the vehicle's wheel radii; options as `table_for`."""
-    contact = scenario.contact
-    wheel = load_profile(contact.wheel_profile, "wheel")
-    rail = load_profile(contact.rail_profile, "rail")
+    """Contact tables of a scenario, one for each pairing that `model.system.needed` names; options as `table_for`."""
     tables = []
-    for radius in scenario.vehicle.wheel_radii:
-        settings = table_settings(scenario, radius)
-        if contact.table is None:
+    for pairing in needed(scenario):
+        wheel, rail = load_profile(pairing.wheel, "wheel"), load_profile(pairing.rail, "rail")
+        settings = table_settings(scenario, pairing.radius)
+        if pairing.file is None:
             tables.append(table_for(settings, wheel, rail, quiet, announce))
         else:
-            expect = Expected(wheel, rail, settings, OF_A_SCENARIO, contact.wheel_profile, contact.rail_profile)
-            tables.append(load(contact.table, expect))
+            expect = Expected(wheel, rail, settings, OF_A_SCENARIO, pairing.wheel, pairing.rail)
+            tables.append(load(pairing.file, expect))
     return tables

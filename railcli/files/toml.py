@@ -234,10 +234,7 @@ def _explain(description, problem, path, written):
     if kind == "extra_forbidden":
         return place, f"unknown key; {_key_hint(description, path, written)}"
     if kind in _BOUNDS:
-        sign, name = _BOUNDS[kind]
-        bound = context[name] if unit is None else context[name] * unit.over / unit.times
-        symbol = f" {unit.symbol}" if unit else ""
-        return place, f"must be {sign} {bound:g}{symbol}, {got}"
+        return place, f"{out_of_bounds(problem, unit)}, {got}"
     if kind in _WANTED:
         return place, f"must be {_WANTED[kind]}, {got}"
     if kind in ("too_short", "too_long"):
@@ -256,6 +253,15 @@ def _explain(description, problem, path, written):
     if kind == "value_error":
         return place, str(context["error"])
     return place, f"{problem['msg']}, {got}"
+
+
+def out_of_bounds(problem, unit):
+    """What is allowed, in the user's unit, for an error of pydantic's about a bound; None for other errors."""
+    if problem["type"] not in _BOUNDS:
+        return None
+    sign, name = _BOUNDS[problem["type"]]
+    bound = problem["ctx"][name] * (unit.over / unit.times if unit else 1.0)
+    return f"must be {sign} {bound:g}{f' {unit.symbol}' if unit else ''}"
 
 
 def _meant(value, allowed):

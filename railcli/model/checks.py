@@ -27,6 +27,7 @@ CoefficientVector = tuple[Coefficient, Coefficient, Coefficient]
 Flag = Annotated[bool, Strict()]
 Text = Annotated[str, Strict()]
 Name = Annotated[str, Strict(), Field(min_length=1, max_length=80)]
+Place = Annotated[str, Strict(), Field(min_length=1, max_length=4096)]  # of a file, or a bundled name
 
 
 def nearest(name, known):

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
+from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
 from .limits import Limits
 from .profile import TAPE_TO_BACK
 from .sections import Gradient
@@ -26,7 +26,7 @@ class Run(Description):
     speed: Annotated[Positive, Field(le=150.0)] = Field(alias="speed_m_per_s")
     distance: Positive | None = Field(None, alias="distance_m")
     duration: Positive | None = Field(None, alias="duration_s")
-    step: Annotated[Positive, Field(le=2e-3)] = Field(0.5e-3, alias="step_s")
+    step: Annotated[Real, Field(ge=1e-6, le=2e-3)] = Field(0.5e-3, alias="step_s")
     output_interval: Annotated[Positive, Field(le=10.0)] = Field(10e-3, alias="output_interval_s")
     average_over: Positive = Field(100.0, alias="average_over_m")
     gravity: Annotated[Positive, Field(le=100.0)] = Field(9.81, alias="gravity_m_per_s2")
@@ -52,8 +52,10 @@ class Run(Description):
 class Contact(Description):
     """Wheels, rails and what acts between them."""
 
-    wheel_profile: Name = "ORES1002"  # a bundled one, or a file
-    rail_profile: Name = "UIC60"
+    wheel_profile: Place = "ORES1002"  # a bundled one, or a file
+    rail_profile: Place = "UIC60"
+    left_wheel_profile: Place | None = None  # as a right-hand profile; None: the right one
+    left_rail_profile: Place | None = None
     inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: upright
     gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
@@ -64,7 +66,8 @@ class Contact(Description):
     adhesion_reduction: Annotated[Positive, Field(le=1.0)] = 1.0  # k_A, k_S of Polach's law
     slip_reduction: Annotated[Positive, Field(le=1.0)] = 1.0
     fastsim_grid: Annotated[int, Strict(), Field(ge=10, le=50)] = 10  # strips of a patch, elements of a strip
-    table: Name | None = None  # file of a contact table already built
+    table: Place | None = None  # file of a contact table already built
+    left_table: Place | None = None  # likewise of the left side; None: the right one
     young: Positive = Field(210e9, alias="young_Pa")
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
     damping: Annotated[NotNegative, Field(le=100.0)] = Field(2.0, alias="damping_s_per_m")
@@ -97,6 +100,13 @@ class Contact(Description):
                 f"no wheelset fits: flange back {self.flange_back * 1e3:g} mm, gauge {self.gauge * 1e3:g} mm"
             )
         return self
+
+    @property
+    def sides(self):
+        """Wheel profile, rail profile and table file of the right and of the left side."""
+        right = self.wheel_profile, self.rail_profile, self.table
+        left = self.left_wheel_profile, self.left_rail_profile, self.left_table
+        return right, tuple(one if other is None else other for one, other in zip(right, left, strict=True))
 
     @property
     def tape_circle(self):
@@ -144,6 +154,10 @@ class Scenario(Description):
                 "track that continues at both ends"
             )
         gradient_course(self.track, self.gradients)
+        right, left = self.contact.sides
+        radii = [self.vehicle.bodies[i].wheel_radii for i in self.vehicle.wheelsets]
+        if right[2] and right[2] == left[2] and (right != left or any(one != other for one, other in radii)):
+            raise ValueError("contact.table: is for one side, and the sides differ; give contact.left_table as well")
         for section in self.track.sections:
             if section.kind == "measured" and section.gauge is not None:
                 worst = max(section.gauge, key=lambda gauge: abs(gauge - self.contact.gauge))
@@ -198,4 +212,8 @@ class Scenario(Description):
         values = self.as_dict()
         for key in ("name", "title", "description", "limits"):
             del values[key]
+        left = zip(("left_wheel_profile", "left_rail_profile", "left_table"), self.contact.sides[1], strict=True)
+        values["contact"].update(left)
+        for body, values_of_body in zip(self.vehicle.bodies, values["vehicle"]["body"], strict=True):
+            values_of_body["left_wheel_radius_m"] = body.wheel_radii[1]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:16]

@@ -15,7 +15,7 @@ from .submodels import TRANSITIONS
 
 SHARPEST = 0.1  # curvature of the tightest curve [1/m]
 
-Length = Annotated[Positive, Field(le=1e6)]
+Length = Annotated[Real, Field(ge=1e-3, le=1e6)]
 Cant = Annotated[Real, Field(ge=-0.3, le=0.3)]
 Slope = Annotated[Real, Field(ge=-0.15, le=0.15)]
 Widening = Annotated[NotNegative, Field(le=0.05)]

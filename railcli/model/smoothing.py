@@ -144,7 +144,7 @@ class _Side:
     def __init__(self, s, cutoff, at_end, held):
         self.end = s[-1] if at_end else s[0]
         distance = np.abs(s - self.end)
-        near = max(int(np.count_nonzero(distance <= cutoff)), min(FEWEST, s.size - 1))
+        near = min(max(int(np.count_nonzero(distance <= cutoff)), FEWEST), s.size - 1)
         self.pick = np.arange(1, near + 1) if not at_end else np.arange(s.size - 1 - near, s.size - 1)
         self.held = held
 

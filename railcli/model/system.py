@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,12 +10,13 @@ from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
 from railcli.kernels.layout import PARAM, Creep, Model, freeze, new_data
 
 from . import vehicle as vehicle_model
-from .contact_table import TableSettings
+from .contact_table import LIMITS, TableSettings
 from .submodels import CREEP_LAWS, choose
 
 HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
 HOLD_SHARE = 0.5  # of the body's mass over the step: the holding force acts explicitly and must not overshoot
 CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
+NARROW_PLAY = 0.075  # gauge less flange back at which the usual range of a contact table is enough [m]
 DERAIL_LIFT = 0.030  # a wheel lifted by more than its flange's height has left the rail [m]
 
 
@@ -45,14 +47,44 @@ class System:
         data = new_data(self.model, q, self.damper.size)
         data.damper[:] = self.damper
         data.v[:, 0] = self.speed
-        for wheel in self.model.wheel:
-            data.v[wheel["body"], 4] = -self.speed / wheel["radius"]
+        data.v[self.model.wheel["body"][::2], 4] = -self.speed / self.mean_radii
         return data
+
+    @property
+    def mean_radii(self):
+        """Mean radius of the two tape circles of each wheelset [m]."""
+        return self.model.wheel["radius"].reshape(-1, 2).mean(axis=1)
+
+
+class Pairing(NamedTuple):
+    """A wheel over a rail: what decides which contact table it takes."""
+
+    wheel: str  # profiles, both in the axes of right-hand ones
+    rail: str
+    file: str | None  # of a table that the user names
+    radius: float  # [m]
+
+
+def pairings(scenario):
+    """The Pairing of every wheel, in the order of the core: right and left wheel of each wheelset."""
+    sides = scenario.contact.sides
+    radii = (scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets)
+    return [Pairing(*side, radius) for pair in radii for side, radius in zip(sides, pair, strict=True)]
+
+
+def needed(scenario):
+    """The different pairings of a scenario, each once: it takes one contact table for each, in this order."""
+    return tuple(dict.fromkeys(pairings(scenario)))
 
 
 def table_settings(scenario, radius):
-    """Settings of the contact table that a scenario's wheels of this radius [m] need."""
+    """Settings of the contact table that a scenario's wheels of this radius [m] need.
+
+    The table reaches as far beyond flange contact on a widened gauge as on the usual one.
+    """
     contact = scenario.contact
+    default = TableSettings()
+    wider = max(0, round(0.5 * (contact.gauge - contact.flange_back - NARROW_PLAY) / default.y_step))
     return TableSettings(
         inclination=contact.inclination,
         gauge=contact.gauge,
@@ -62,6 +94,7 @@ def table_settings(scenario, radius):
         poisson=contact.poisson,
         pressed=contact.pressed,
         normal=contact.normal,
+        y_range=min(default.y_range + wider * default.y_step, LIMITS["y_range"][1]),
     )
 
 
@@ -116,7 +149,7 @@ def assemble(scenario, tables):
     ----------
     scenario : Scenario
     tables : sequence of ContactTable
-        One for each of the vehicle's wheel radii, in their order.
+        One for each pairing that is `needed`, in that order.
 
     Returns
     -------
@@ -125,6 +158,9 @@ def assemble(scenario, tables):
     packed = vehicle_model.pack(
         scenario.vehicle, scenario.run.gravity, scenario.contact.tape_circle, scenario.contact.friction
     )
+    kinds = needed(scenario)
+    wheel = packed.wheel.copy()
+    wheel["table"] = [kinds.index(pairing) for pairing in pairings(scenario)]
     table, node, cell, branch = pool(tables)
     model = Model(
         param=parameters(scenario),
@@ -133,7 +169,7 @@ def assemble(scenario, tables):
         joint=packed.joint,
         element=packed.element,
         curve=packed.curve,
-        wheel=packed.wheel,
+        wheel=wheel,
         table=table,
         node=node,
         cell=cell,

@@ -15,8 +15,10 @@ from railcli.kernels.layout import BODY, CURVE, ELEMENT, JOINT, WHEEL, Axes, Kin
 from .checks import Coordinate, Description, Name, Positive, Real, Text, hint
 from .elements import Bushing, Joint, Link
 
+LARGEST_DIFFERENCE = 0.010  # of the wheel radii of one wheelset [m]
 STATIC_RESIDUAL = 1e-6  # share of the vehicle's weight that the preloads may leave unbalanced
 _Inertia = Annotated[Positive, Field(le=1e12)]
+_Radius = Annotated[Real, Field(ge=0.05, le=2.0)]
 _AXES = {"mean": Axes.MEAN, "upper": Axes.UPPER}
 
 
@@ -28,12 +30,21 @@ class Body(Description):
     inertia: tuple[_Inertia, _Inertia, _Inertia] = Field(alias="inertia_kg_m2")  # about x, y, z through its centre
     x: Coordinate = Field(alias="x_m")
     height: Annotated[Positive, Field(le=20.0)] | None = Field(None, alias="height_m")  # of its centre of mass
-    wheel_radius: Annotated[Real, Field(ge=0.05, le=2.0)] | None = Field(None, alias="wheel_radius_m")
+    wheel_radius: _Radius | None = Field(None, alias="wheel_radius_m")  # at the tape circle
+    left_wheel_radius: _Radius | None = Field(None, alias="left_wheel_radius_m")  # where it is not the same
 
     @model_validator(mode="after")
     def _has_one_height(self):
         if (self.height is None) == (self.wheel_radius is None):
             raise ValueError("give either height_m (of the centre of mass) or, for a wheelset, wheel_radius_m")
+        if self.left_wheel_radius is not None:
+            if self.wheel_radius is None:
+                raise ValueError("left_wheel_radius_m: only beside wheel_radius_m, the radius of the right wheel")
+            if abs(self.wheel_radius - self.left_wheel_radius) > LARGEST_DIFFERENCE:
+                raise ValueError(
+                    f"left_wheel_radius_m: must be within {LARGEST_DIFFERENCE * 1e3:g} mm of wheel_radius_m, "
+                    f"got {self.left_wheel_radius:g} m and {self.wheel_radius:g} m"
+                )
         return self
 
     @property
@@ -41,9 +52,15 @@ class Body(Description):
         return self.wheel_radius is not None
 
     @property
+    def wheel_radii(self):
+        """Radii of the right and the left wheel of a wheelset [m]."""
+        left = self.wheel_radius if self.left_wheel_radius is None else self.left_wheel_radius
+        return self.wheel_radius, left
+
+    @property
     def centre(self):
-        """Centre of mass: x, y, height [m]."""
-        return (self.x, 0.0, self.wheel_radius if self.is_wheelset else self.height)
+        """Centre of mass: x, y, height [m]; that of a wheelset when it stands level on both tape circles on average."""
+        return (self.x, 0.0, 0.5 * sum(self.wheel_radii) if self.is_wheelset else self.height)
 
 
 class Vehicle(Description):
@@ -99,11 +116,6 @@ class Vehicle(Description):
     def wheelsets(self):
         """Indices of the bodies that are wheelsets, in the order of the file."""
         return tuple(i for i, body in enumerate(self.bodies) if body.is_wheelset)
-
-    @property
-    def wheel_radii(self):
-        """The different wheel radii [m], each once; a wheel's `table` counts along them."""
-        return tuple(dict.fromkeys(self.bodies[i].wheel_radius for i in self.wheelsets))
 
     @property
     def reach(self):
@@ -227,8 +239,9 @@ def pack(vehicle, gravity, tape_circle, friction):
     Returns
     -------
     PackedVehicle
-        Frame x forward, y right, z down. Both wheels of a wheelset adjoin, the right one first. A bushing's preload
-        is the force on the upper body, so one that carries weight is negative along z.
+        Frame x forward, y right, z down. Both wheels of a wheelset adjoin, the right one first; which contact table a
+        wheel takes is left to the assembler. A bushing's preload is the force on the upper body, so one that carries
+        weight is negative along z.
     """
     loads, _ = _statics(vehicle)
     loads = iter(gravity * loads)
@@ -316,8 +329,8 @@ def _bodies(vehicle):
 def _wheels(vehicle, tape_circle, friction):
     array = np.zeros(2 * len(vehicle.wheelsets), WHEEL)
     for n, i in enumerate(vehicle.wheelsets):
-        radius = vehicle.bodies[i].wheel_radius
-        for row, side in zip(array[2 * n : 2 * n + 2], (1.0, -1.0), strict=True):
-            row["body"], row["side"], row["table"] = i, side, vehicle.wheel_radii.index(radius)
+        radii = vehicle.bodies[i].wheel_radii
+        for row, side, radius in zip(array[2 * n : 2 * n + 2], (1.0, -1.0), radii, strict=True):
+            row["body"], row["side"] = i, side
             row["lateral"], row["radius"], row["friction"] = tape_circle, radius, friction
     return array

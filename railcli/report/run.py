@@ -1,5 +1,7 @@
 """A run for people: the steady values of its end as text, time series as figures."""
 
+from pathlib import Path
+
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
@@ -61,6 +63,25 @@ def settled(mean, newton):
     return ""
 
 
+def _two_sides(scenario):
+    """Facts about profiles and radii of both sides, where these differ."""
+    lines = []
+    (wheel, rail, _), (left_wheel, left_rail, _) = scenario.contact.sides
+    if (wheel, rail) != (left_wheel, left_rail):
+        right, left = (
+            " on ".join(Path(one).name for one in pair) for pair in ((wheel, rail), (left_wheel, left_rail))
+        )
+        lines.append(("profiles", f"right {right}; left {left}"))
+    radii = [scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets]
+    if any(right != left for right, left in radii):
+        words = []
+        for right, left in dict.fromkeys(radii):
+            names = ", ".join(f"W{k}" for k, pair in enumerate(radii, start=1) if pair == (right, left))
+            words.append(f"{names}: right {right * 1e3:.6g}, left {left * 1e3:.6g}")
+        lines.append(("wheel radii [mm]", "; ".join(words)))
+    return lines
+
+
 def report(scenario, outcome, stretch, steady):
     """Lines for the terminal.
 
@@ -78,6 +99,7 @@ def report(scenario, outcome, stretch, steady):
         [
             ("reached", reached),
             ("speed", f"{scenario.run.speed:g} m/s, step {scenario.run.step * 1e3:g} ms"),
+            *_two_sides(scenario),
             ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
         ]
     )

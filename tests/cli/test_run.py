@@ -12,11 +12,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import scenes
 import tolerances as tol
 from click.testing import CliRunner
 
+from railcli.analysis.build_table import build_table
 from railcli.cli import main
 from railcli.files import growing_hdf5, tables
+from railcli.files.profiles import load_profile
 
 SCENARIO = """
 [run]
@@ -119,10 +122,10 @@ def test_derailment_keeps_what_was_computed(scenario_file, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--speed", "0"], ["speed_m_per_s", "greater than 0"]),
-        (["--step", "0"], ["step_ms", "greater than 0"]),
+        (["--speed", "0"], ["speed_m_per_s: must be > 0 m/s; got 0"]),
+        (["--step", "0"], ["step_ms: must be >= 0.001 ms; got 0"]),
         (["--step", "0.3"], ["multiple of the step"]),
-        (["--friction", "-0.1"], ["friction", "greater than or equal to 0"]),
+        (["--friction", "-0.1"], ["friction: must be >= 0; got -0.1"]),
     ],
 )
 def test_overrides_are_checked(scenario_file, tmp_path, arguments, words):
@@ -191,3 +194,18 @@ def test_ctrl_c_keeps_what_was_computed(scenario_file, tmp_path):
         assert file["time"].size > 0
         assert file["wheels/W1_left/Q"].size == file["time"].size
         assert f"until t = {file['time'][-1]:.2f} s is kept in {out}" in message
+
+
+def test_sides_that_differ_are_named(scenario_file, tmp_path, table_file, profiles):
+    """Another left rail: a table of its own, told in text and summary."""
+    case = scenario_file()
+    left = table_file.parent / "left.h5"
+    tables.save(build_table(profiles[0], load_profile("60E1", "rail"), scenes.SMALL)[0], left)
+    text = case.read_text().replace("[contact]", f'[contact]\nleft_rail_profile = "60E1"\nleft_table = "{left}"')
+    case.write_text(text)
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["run", "scenario", str(case), "-o", str(out), "-q", "--no-figures"])
+    assert result.exit_code == 0, result.output
+    assert "right ORES1002 on UIC60; left ORES1002 on 60E1" in result.output
+    used = json.loads((out / "summary.json").read_text())["provenance"]["contact_tables"]
+    assert [table["rail"]["name"] for table in used] == ["UIC60", "60E1"]

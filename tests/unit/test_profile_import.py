@@ -319,6 +319,8 @@ def test_missing_folder_and_huge(tmp_path, write):
     path = write(b"1 2\n" * 2_600_000, "huge.ban")
     assert refusal(path).endswith("10.4 MB; a profile file may have at most 10 MB")
     path.write_bytes(b"1 2\n" * 2_400_000)
+    assert "2400000 lines; a profile file may have at most 100000" in refusal(path)
+    path.write_bytes(b"1 2\n" * 90_000)
     assert refusal(path).endswith("more than 20000 points; thin them out")
 
 

@@ -103,6 +103,19 @@ def test_files_are_beside_the_scenario(load_text, tmp_path):
     assert case.contact.wheel_profile == "ORES1002"
 
 
+def test_left_side(load_text, tmp_path):
+    """Files of the left side stand beside the scenario too, however long their names; what is not given is as right."""
+    long = "/".join(["a folder with a long name"] * 5)
+    case = load_text(
+        SHORT + f'[contact]\nwheel_profile = "worn.csv"\nleft_rail_profile = "{long}/rail.csv"\nleft_table = "l.h5"'
+    )
+    worn = str(tmp_path / "worn.csv")
+    assert case.contact.sides == (
+        (worn, "UIC60", None),
+        (worn, str(tmp_path / long / "rail.csv"), str(tmp_path / "l.h5")),
+    )
+
+
 def test_varied_is_validated():
     case = load("curve-1200-45")
     other = case.varied(run={"speed": 30.0}, contact={"friction": 0.4, "creep_law": "smooth"}, name="other")
@@ -185,7 +198,7 @@ BAD = [
     ("speed_m_per_s = 20", "sped_kmh = 72", "run.sped_kmh: unknown key; did you mean 'speed_kmh'?"),
     ("speed_m_per_s = 20", "speed = 72", "run.speed: unknown key; did you mean 'speed_m_per_s' or 'speed_kmh' or "),
     ("speed_m_per_s = 20", "", "run: key 'speed_m_per_s' is missing"),
-    ("= 20", "= 20\nstep_ms = 0", "run.step_ms: must be > 0 ms, got 0"),
+    ("= 20", "= 20\nstep_ms = 0", "run.step_ms: must be >= 0.001 ms, got 0"),
     ("= 20", "= 20\nstep_ms = 3", "run.step_ms: must be <= 2 ms, got 3"),
     ("= 20", "= 20\nstep_ms = 0.3", "run: output interval must be a multiple of the step, got 10 ms and 0.3 ms"),
     ("= 20", "= 20\noutput_interval_ms = 0.1", "run: output interval must be a multiple of the step"),
@@ -194,6 +207,7 @@ BAD = [
     ("= 20", "= 20\nduration_s = 1\ndistance_m = 9", "run: give either distance_m or duration_s"),
     ("= 20", "= 20\naverage_over_m = 201", "run.average_over_m: must be at most the 200 m of the run, got 201 m"),
     ("= 20", "= 20\nspeed_kmh = 72", "run.speed_kmh: 'speed_m_per_s' says the same"),
+    ("[run]", '"a\\nb" = 1\n[run]', "a\\nb: unknown key"),
     ("[run]", "[runs]", "runs: unknown key; did you mean 'run'?"),
     ("[run]", "[contact]\nfrictoin = 0.3\n[run]", "contact.frictoin: unknown key; did you mean 'friction'?"),
     ("[run]", "[contact]\nfriction = -0.1\n[run]", "contact.friction: must be >= 0, got -0.1"),
@@ -212,6 +226,11 @@ BAD = [
         "contact.gauge_kg: unknown key; did you mean 'gauge_m' or 'gauge_mm'",
     ),
     ("[run]", "[contact]\nwheel_profile = 3\n[run]", "contact.wheel_profile: must be a text in quotes, got 3"),
+    (
+        "[run]",
+        "[contact]\ntable = 't.h5'\nleft_wheel_profile = '60E1'\n[run]",
+        "contact.table: is for one side, and the sides differ; give contact.left_table as well",
+    ),
     ("[run]", "contact = 3\n[run]", "contact: must be a table, got 3"),
     ("[run]", "[start]\nlateral_mm = 30\n[run]", "start.lateral_mm: must be <= 10 mm, got 30"),
     ("[run]", "vehicle = 'mancester'\n[run]", "vehicle: mancester: no built-in vehicle"),
@@ -231,7 +250,7 @@ BAD = [
         'kind = "straight"\nradius_m = 3',
         "track[1].radius_m: unknown key; known: 'kind', 'length_m'",
     ),
-    ("length_m = 200", "length_m = -200", "track[1].length_m: must be > 0 m, got -200"),
+    ("length_m = 200", "length_m = -200", "track[1].length_m: must be >= 0.001 m, got -200"),
     ("[[track]]", "[track]", "track: must be a list, got a table"),
     (
         "length_m = 200",

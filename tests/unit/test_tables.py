@@ -14,10 +14,11 @@ import pytest
 from railcli.analysis.build_table import build_table
 from railcli.commands.build_lut import build_lut
 from railcli.errors import InputError
-from railcli.files import tables
+from railcli.files import scenario, tables
 from railcli.files.tables import Expected, check_expected, load, read, save, table_for
 from railcli.kernels import jit
 from railcli.model.contact_table import TableSettings
+from railcli.model.system import assemble
 
 ROOT = Path(__file__).parents[2]
 COARSE = TableSettings(y_step=0.5e-3, roll_step=5e-3, yaw_count=3)
@@ -167,6 +168,37 @@ def test_a_table_is_built_once_and_then_reused(coarse, profiles, cache, built):
     assert len(built) == 1 and same(first, second) and same(first, coarse)
     table_for(dataclasses.replace(COARSE, gauge=1.436), *profiles, quiet=True)
     assert len(built) == 2 and len(list(cache.iterdir())) == 2
+
+
+def test_every_pairing_of_a_scenario_gets_its_table(profiles, cache, built, monkeypatch):
+    """Wheels 1 mm smaller on the left of one wheelset, another rail on all of the left: three tables, no more."""
+
+    def coarse_settings(_, radius):
+        return dataclasses.replace(COARSE, radius=radius)
+
+    monkeypatch.setattr(tables, "table_settings", coarse_settings)
+    case = scenario.load("curve-1200-45")
+    bodies = list(case.vehicle.bodies)
+    bodies[3] = bodies[3].model_copy(update={"left_wheel_radius": 0.459})
+    vehicle = type(case.vehicle)(**{**dict(case.vehicle), "bodies": tuple(bodies)})
+    case = case.varied(vehicle=vehicle, contact={"left_rail_profile": "60E1"})
+    found = tables.tables_for(case, quiet=True)
+    assert [(table.rail_name, table.settings.radius) for table in found] == [
+        ("UIC60", 0.46), ("60E1", 0.459), ("60E1", 0.46)
+    ]  # fmt: skip
+    assert len(built) == 3
+    assert assemble(case, found).model.wheel["table"].tolist() == [0, 1, 0, 2, 0, 2, 0, 2]
+
+
+def test_a_named_table_of_the_left_side_must_be_for_it(coarse, file, profiles, tmp_path):
+    case = scenario.load("curve-1200-45")
+    names = {"table": str(file), "left_table": str(file)}
+    assert [same(table, coarse) for table in tables.tables_for(case.varied(contact=names), quiet=True)] == [True]
+    left = tmp_path / "left.h5"
+    save(coarse, left)
+    case = case.varied(contact={**names, "left_rail_profile": "60E1", "left_table": str(left)})
+    with pytest.raises(InputError, match="left.h5: was built for rail profile UIC60, needed: 60E1"):
+        tables.tables_for(case, quiet=True)
 
 
 def test_a_broken_table_in_the_cache_is_built_again_with_a_warning(profiles, cache, built, capsys):

@@ -194,7 +194,7 @@ def test_rest_and_wheels(manchester, packed):
     assert packed.wheel["side"].tolist() == [1.0, -1.0] * 4
     assert (packed.wheel["lateral"] == TAPE_CIRCLE).all() and (packed.wheel["radius"] == 0.46).all()
     assert packed.body["spins"].tolist() == [0, 0, 0, 1, 1, 1, 1]
-    assert manchester.wheel_radii == (0.46,)
+    assert {manchester.bodies[i].wheel_radii for i in manchester.wheelsets} == {(0.46, 0.46)}
     assert not any(array.flags.writeable for array in packed)
 
 
@@ -204,8 +204,7 @@ def test_wagon_with_a_load_off_centre(wagon):
     front = G * (1500.0 + 20000.0 * 4.5 / 8.0)
     rear = G * (1500.0 + 20000.0 * 3.5 / 8.0)
     assert_allclose(loads, [[front / 2] * 2, [rear / 2] * 2], rtol=tol.ROUNDING)
-    assert wagon.wheel_radii == (0.5, 0.45)
-    assert pack(wagon, G, TAPE_CIRCLE, 0.3).wheel["table"].tolist() == [0, 0, 1, 1]
+    assert pack(wagon, G, TAPE_CIRCLE, 0.3).wheel["radius"].tolist() == [0.5, 0.5, 0.45, 0.45]
 
 
 def test_springs_beside_the_middle_load_one_wheel_more(tmp_path):
@@ -278,6 +277,12 @@ BAD = [
     ("[2e4, 2e5, 2e5]", "[1, 2, 3, 4]", "body[1].inertia_kg_m2: must have at most 3 entries, got 4"),
     ("[2e4, 2e5, 2e5]", "7", "body[1].inertia_kg_m2: must be a list, got 7"),
     ("height_m = 1.5", "", "body[1]: give either height_m"),
+    (
+        "wheel_radius_m = 0.5",
+        "wheel_radius_m = 0.5\nleft_wheel_radius_mm = 480",
+        "left_wheel_radius_m: must be within 10 mm of wheel_radius_m, got 0.48 m and 0.5 m",
+    ),
+    ("height_m = ", "left_wheel_radius_m = 0.5\nheight_m = ", "left_wheel_radius_m: only beside wheel_radius_m"),
     ("wheel_radius_m = 0.5", "wheel_radius_mm = 5", "body[2].wheel_radius_mm: must be >= 50 mm, got 5"),
     ('name = "rear"', 'name = "front"', "body[3].name: 'front' is taken by body[2]"),
     ('["rear", "box"]', '["raer", "box"]', "joint[1].pairs[2]: no body is named 'raer'; did you mean 'rear'?"),

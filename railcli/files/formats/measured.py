@@ -1,6 +1,5 @@
 """What a reader found in a profile file, and what all readers share."""
 
-import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +8,7 @@ import numpy as np
 
 from railcli.errors import InputError
 
-from ..profiles import FEWEST_POINTS, MOST_POINTS
+from ..profiles import FEWEST_POINTS, LARGEST_NUMBER, MOST_POINTS
 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?", re.ASCII)
 
@@ -52,12 +51,12 @@ class Measured:
 
 
 def number(text):
-    """Finite number written out in `text` (a Fortran exponent D is one too), else None."""
+    """Number of at most LARGEST_NUMBER written out in `text` (a Fortran exponent D is one too), else None."""
     text = text.strip()
     if not NUMBER.fullmatch(text):
         return None
     value = float(text.replace("D", "E").replace("d", "e"))
-    return value if math.isfinite(value) else None
+    return value if abs(value) <= LARGEST_NUMBER else None
 
 
 def points(path, rows, lines):

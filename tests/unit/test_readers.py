@@ -1,0 +1,325 @@
+"""Whatever stands in a user's file, a reader gives a result or an InputError of one line; seeds are fixed.
+
+Files are real ones, changed as accidents, editors and other programs change them, and some at random.
+"""
+
+import json
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from railcli.analysis.build_table import build_table
+from railcli.errors import InputError
+from railcli.files import scenario, tables
+from railcli.files.profile_import import ImportSettings, canonical_text, import_profile
+from railcli.files.profiles import load_profile
+from railcli.files.resources import resource
+from railcli.model import track
+from railcli.model.contact_table import TableSettings
+from railcli.model.system import needed, parameters, table_settings
+from railcli.model.vehicle import pack
+
+SAMPLES = sorted((Path(__file__).parents[1] / "data" / "samples").glob("*.[bwp]*"))
+CANONICAL = [resource("profiles/UIC60/UIC60.csv"), resource("profiles/ORES1002/ORES1002.csv")]
+FUZZ = settings(
+    max_examples=150,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+NUMBER = re.compile(rb"(?<!\w)[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+DECIMAL = re.compile(rb"(?<!\w)[-+]?\d+\.\d+")
+NO_NUMBERS = [
+    b"nan", b"inf", b"-inf", b"1e308", b"-1e308", b"1e-320", b"1e400", b"text", b"", b"0", b"1,5", b"1_0", b".",
+]  # fmt: skip
+VALUES = [
+    *NO_NUMBERS, b'"text"', b"-1", b"1e150", b"[]", b"[1, 2]", b"{}", b"{a = 1}", b"true", b"1979-05-27", b"9" * 400,
+    b'"\\u0000"', b'"a\\nb"', b'""', b'"' + b"x" * 300 + b'"',
+]  # fmt: skip
+KEYS = [
+    b"kind", b"name", b"vehicle", b"contact", b"run", b"track", b"body", b'"\\n"', b"mass_kg", b"left_wheel_radius_mm",
+]  # fmt: skip
+PLACE = st.floats(0.0, 1.0)
+
+
+def survives(read):
+    """The result of a reader, or None after an InputError of one line."""
+    try:
+        return read()
+    except InputError as error:
+        message = str(error)
+        assert message.isprintable() and len(message) < 1500, message
+        return None
+
+
+# How files change
+
+
+def at(data, place, pattern):
+    found = list(pattern.finditer(data))
+    return found[int(place * (len(found) - 1))] if found else None
+
+
+def replace_number(data, place, value):
+    match = at(data, place, NUMBER)
+    return data[: match.start()] + value + data[match.end() :] if match else data
+
+
+def lines_changed(data, place, count, what):
+    lines = data.split(b"\n")
+    i = int(place * (len(lines) - 1))
+    part = lines[i : i + count]
+    new = {"repeat": part * 2, "drop": [], "reverse": part[::-1], "shuffle": part[1::2] + part[::2]}[what]
+    return b"\n".join(lines[:i] + new + lines[i + count :])
+
+
+def closed(data, place):
+    """All lines to a place, and back again."""
+    lines = data.split(b"\n")
+    return b"\n".join([*lines, *lines[: int(place * len(lines))][::-1]])
+
+
+def scaled(data, factor):
+    return DECIMAL.sub(lambda match: b"%.9g" % (float(match[0]) * factor), data)
+
+
+def noisy(data, size, seed):
+    noise = np.random.default_rng(seed)
+    return DECIMAL.sub(lambda match: b"%.9g" % (float(match[0]) + noise.normal(0.0, size)), data)
+
+
+def flipped(data, place, bit):
+    i = int(place * (len(data) - 1))
+    return data[:i] + bytes([data[i] ^ 1 << bit]) + data[i + 1 :] if data else data
+
+
+def encoded(data, name):
+    return data.decode("latin-1").encode(name)
+
+
+CHANGES = st.one_of(
+    st.tuples(st.just(replace_number), PLACE, st.sampled_from(NO_NUMBERS)),
+    st.tuples(
+        st.just(lines_changed),
+        PLACE,
+        st.sampled_from([1, 2, 3, 50, 1000]),
+        st.sampled_from(["repeat", "drop", "reverse", "shuffle"]),
+    ),
+    st.tuples(st.just(closed), PLACE),
+    st.tuples(st.just(scaled), st.sampled_from([-1.0, 1e-3, 1e3, 25.4, 0.0, 1e300])),
+    st.tuples(st.just(noisy), st.sampled_from([1e-5, 1e-3, 0.02, 0.3]), st.integers(0, 9)),
+    st.tuples(st.just(flipped), PLACE, st.integers(0, 7)),
+    st.tuples(st.just(encoded), st.sampled_from(["utf-16", "utf-16-le", "utf-8-sig", "latin-1"])),
+    st.tuples(st.just(lambda data, place: data[: int(place * len(data))]), PLACE),
+    st.tuples(st.just(lambda data, a, b: data.replace(a, b)), st.sampled_from([b"\n", b",", b".", b" ", b"="]),
+              st.sampled_from([b"\r\n", b"\r", b";", b",", b" ", b"\t", b"\n\n", b"\xe2\x80\xa8"])),
+)  # fmt: skip
+
+
+def changed(data, changes):
+    for function, *values in changes:
+        data = function(data, *values)
+    return data
+
+
+# Profiles
+
+
+@FUZZ
+@given(
+    source=st.sampled_from(SAMPLES + CANONICAL),
+    ending=st.sampled_from(["same"] * 4 + [".txt", ".csv", ".ban", ".whl", ".mpt", ".prr", ".prw", ".rail", ".wheel"]),
+    changes=st.lists(CHANGES, min_size=1, max_size=3),
+    options=st.fixed_dictionaries(
+        {
+            "kind": st.sampled_from([None, "rail", "wheel"]),
+            "units": st.sampled_from([None, None, "mm", "m", "inch"]),
+            "mirror_y": st.sampled_from(["auto", "auto", "yes", "no"]),
+            "shift_y": st.sampled_from([0.0, 0.0, 1e-3, 1e9, float("nan")]),
+            "smooth": st.sampled_from([None, 0.5e-3, 4e-3, 40e-3, float("nan")]),
+            "resample": st.sampled_from([None, 0.5e-3, 5e-3]),
+        }
+    ),
+)
+def test_changed_profiles(tmp_path, source, ending, changes, options):
+    """An import that succeeds gives finite numbers and a canonical file that is read again."""
+    path = tmp_path / f"a{source.suffix if ending == 'same' else ending}"
+    path.write_bytes(changed(source.read_bytes(), changes))
+    survives(lambda: load_profile(path, "rail"))
+    chosen = ImportSettings(**options)
+    imported = survives(lambda: import_profile(path, chosen))
+    if imported is not None:
+        assert np.isfinite([imported.profile.y, imported.profile.z, imported.profile.angle]).all()
+        json.dumps(imported.account, allow_nan=False)
+        written = tmp_path / "canonical.csv"
+        written.write_text(canonical_text(imported, chosen))
+        load_profile(written, imported.profile.kind)
+
+
+@FUZZ
+@given(source=st.sampled_from(CANONICAL), changes=st.lists(CHANGES, min_size=1, max_size=3))
+def test_changed_canonical_profiles(tmp_path, source, changes):
+    path = tmp_path / "a.csv"
+    path.write_bytes(changed(source.read_bytes(), changes))
+    for kind in ("rail", "wheel"):
+        profile = survives(lambda kind=kind: load_profile(path, kind))
+        assert profile is None or np.isfinite([profile.y, profile.z, profile.angle]).all()
+
+
+@pytest.mark.parametrize("name", ["a.ban", "a.mpt", "a.prw", "a.rail", "a.csv"])
+@pytest.mark.parametrize("content", ["one line", "short lines", "points", "keys", "blank"])
+def test_ten_megabytes(tmp_path, name, content):
+    """Files of the largest size allowed end in one line too."""
+    unit = {
+        "one line": b"1.5 ",
+        "short lines": b"1\n",
+        "points": b"1.25 -3.5\n",
+        "keys": b"MPD7=L 1 2 3 4\nkey=value\n",
+        "blank": b"\n\n \n",
+    }[content]
+    path = tmp_path / name
+    path.write_bytes(unit * (10_000_000 // len(unit)))
+    assert survives(lambda: import_profile(path, ImportSettings(kind="rail"))) is None
+    assert survives(lambda: load_profile(path, "rail")) is None
+
+
+# Scenarios and vehicles
+
+RUN = b"""
+vehicle = "vehicle.toml"
+[run]
+speed_kmh = 72
+step_ms = 0.5
+average_over_m = 20
+[contact]
+wheel_profile = "ORES1002"
+left_rail_profile = "worn.csv"
+inclination = 40
+gauge_mm = 1435
+friction = 0.3
+creep_law = "hard"
+young_GPa = 210
+pressed_mm = 0
+[start]
+lateral_mm = 1
+[[track]]
+kind = "straight"
+length_m = 50
+[[track]]
+kind = "transition"
+length_m = 50
+shape = "bloss"
+[[track]]
+kind = "curve"
+length_m = 50
+radius_m = 500
+hand = "left"
+cant_mm = 80
+"""
+VEHICLE = resource(scenario.VEHICLES["manchester"]).read_bytes()
+
+
+def replace_value(data, place, value):
+    match = at(data, place, re.compile(rb"(?m)= *(.*)$"))
+    return data[: match.start(1)] + value + data[match.end(1) :] if match else data
+
+
+def replace_key(data, place, key):
+    match = at(data, place, re.compile(rb"(?m)^[\w ]+="))
+    return data[: match.start()] + key + b" =" + data[match.end() :] if match else data
+
+
+def add_line(data, place, key, value):
+    lines = data.split(b"\n")
+    lines.insert(int(place * len(lines)), key + b" = " + value)
+    return b"\n".join(lines)
+
+
+TOML_CHANGES = st.one_of(
+    st.tuples(st.just(replace_number), PLACE, st.sampled_from(VALUES)),
+    st.tuples(st.just(replace_value), PLACE, st.sampled_from(VALUES)),
+    st.tuples(st.just(replace_key), PLACE, st.sampled_from(KEYS)),
+    st.tuples(st.just(add_line), PLACE, st.sampled_from(KEYS), st.sampled_from(VALUES)),
+    CHANGES,
+)
+
+
+@settings(FUZZ, max_examples=200)
+@given(run=st.lists(TOML_CHANGES, max_size=3), vehicle=st.lists(TOML_CHANGES, max_size=2))
+def test_changed_scenarios_and_vehicles(tmp_path, run, vehicle):
+    """What passes can be packed, digested and told which tables it needs."""
+    (tmp_path / "case.toml").write_bytes(changed(RUN, run))
+    (tmp_path / "vehicle.toml").write_bytes(changed(VEHICLE, vehicle))
+    survives(lambda: scenario.load_vehicle(tmp_path / "vehicle.toml"))
+    case = survives(lambda: scenario.load(tmp_path / "case.toml"))
+    if case is not None:
+        json.dumps(case.as_dict(), allow_nan=False)
+        assert len(case.digest()) == 16
+        assert np.isfinite(parameters(case).view("f8")).all()
+        packed = pack(case.vehicle, case.run.gravity, case.contact.tape_circle, case.contact.friction)
+        assert np.isfinite(packed.rest).all()
+        assert np.isfinite(track.pack(case.track)["curvature"]).all()
+        for pairing in needed(case):
+            survives(lambda pairing=pairing: table_settings(case, pairing.radius))
+
+
+# Contact tables
+
+
+@pytest.fixture(scope="module")
+def table_bytes(profiles, tmp_path_factory):
+    tiny = TableSettings(y_range=4e-3, y_step=1e-3, roll_range=5e-3, roll_step=5e-3, yaw_range=5e-3, yaw_count=2)
+    path = tmp_path_factory.mktemp("tiny") / "table.h5"
+    tables.save(build_table(*profiles, tiny)[0], path)
+    return path.read_bytes()
+
+
+@FUZZ
+@given(changes=st.lists(CHANGES, min_size=1, max_size=2))
+def test_changed_tables(tmp_path, table_bytes, changes):
+    path = tmp_path / "table.h5"
+    path.write_bytes(data := changed(table_bytes, changes))
+    assert (survives(lambda: tables.read(path)) is None) == (data != table_bytes)
+
+
+SETTINGS = [
+    "", "{}", "[]", "null", "NaN", '{"gauge": 1}', '{"gauge": "a"}', '{"y_step": 1e-30}', '{"y_range": 1e308}',
+    '{"normal": "kp"}', '{"normal": 3}', '{"yaw_count": 1.5}', '{"gauge": NaN}', '{"y_count": 3}', 1.5, b"\xff",
+]  # fmt: skip
+ARRAYS = [
+    1, "text", np.zeros(0), np.zeros((0, 8), np.int32), np.zeros((3, 16)), np.array([b"a"]), np.zeros(3, complex),
+    np.zeros((2, 2), np.int32), np.array([0], np.int32), h5py.Empty("f8"), h5py.SoftLink("/nothing"),
+    h5py.SoftLink("/"),
+]  # fmt: skip
+ATTRIBUTES = ["version", "settings", "wheel_name", "rail_sha256", "method", "certificate", "kernels"]
+
+
+@FUZZ
+@given(
+    attributes=st.dictionaries(st.sampled_from(ATTRIBUTES), st.sampled_from([*SETTINGS, None]), max_size=2),
+    arrays=st.dictionaries(st.sampled_from(list(tables.ARRAYS)), st.sampled_from(range(len(ARRAYS) + 1)), max_size=1),
+)
+def test_sealed_tables_of_other_programs(tmp_path, table_bytes, attributes, arrays):
+    """A whole HDF5 file with a right seal, in which attributes and datasets are missing or something else."""
+    path = tmp_path / "table.h5"
+    image = tmp_path / "image.h5"
+    image.write_bytes(table_bytes)
+    with h5py.File(image, "r+") as file:
+        for key, value in attributes.items():
+            del file.attrs[key]
+            if value is not None:
+                file.attrs[key] = value
+        for key, index in arrays.items():
+            del file[key]
+            if index < len(ARRAYS):
+                file[key] = ARRAYS[index]
+    content = image.read_bytes()[tables.HEAD_SIZE :]
+    path.write_bytes(tables._head(content) + content)
+    stored = survives(lambda: tables.read(path))
+    assert stored is None or not arrays
