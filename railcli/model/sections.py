@@ -10,7 +10,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from .checks import Description, NotNegative, Positive, Real, one_of
+from .checks import Description, NotNegative, Real, one_of
 from .submodels import TRANSITIONS
 
 SHARPEST = 0.1  # curvature of the tightest curve [1/m]
