@@ -190,3 +190,13 @@ BENCH_PLACE = 1e-6  # [m, -] interpolation over cells of 1 mm of a round rail
 BENCH_SPIN_PULL = 1e-3  # of the friction limit: rotation by spin over a wheel of 1:20 leaves no pull but its own share
 PRINTED_FORCES = 6e-3  # angles printed to 0.01 degrees and four digits of forces, on a flange of 61 degrees
 BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 mrad; measured 3.3e-6
+
+# --- Rails beside their ideal place ---
+SHIFTED_PLACE = 1e-9  # [m, rad] rounding of places some millimetres away, times contact stiffness over mass
+SHIFTED_FORCE = 1.0  # [N] the same times the stiffness of a contact
+TURNED_CONTACT = 1e-8  # relative: rounding of places, 1e-16, over a depth of 1e-4 m, and of sines of angles
+PARALLEL_CURVE = 4e-6  # [m] the rail runs straight under the wheel: (r z')^2 z'' / 2 = 2.6 micrometres is left out
+BUMP_ENERGY = 1e-3  # of the energy climbed: squares of the step of 0.1 ms times 240 Hz
+APPROACH = 2e-3  # of the largest rate: quadratic interpolation of D against slopes interpolated linearly
+CROSS_LEVEL_ROLL = 0.03  # the axle stands beside the middle then, on other radii: 0.04 mm of 4 mm a side
+GAUGE_CENTRE = 1e-3  # [m] S1002 hardly steers within its clearance: the wheelset stops somewhere about the new middle

@@ -2,7 +2,8 @@
 
 The unknowns of a steady motion are the coordinates of every body that do not grow (y, z, roll, yaw; pitch but for
 wheelsets), the places of the bodies along the track against the first, the spin of the wheelsets and the one speed of
-all bodies; the equations are all accelerations of the compiled model, 6 per body (theory.md section 9).
+all bodies; the equations are all accelerations of the compiled model, 6 per body (theory.md section 9). Rails lie in
+their ideal place: irregularity does not enter.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ import numpy as np
 from railcli.errors import SimulationError
 from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
-from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
+from railcli.kernels.layout import MAX_CONTACT, NO_SHIFT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.track import Straight, Track, Transition, constant_track, pack
 
@@ -182,7 +183,7 @@ def static(system):
     """
     param = system.model.param.copy()
     param["speed"] = 0.0
-    model = freeze(system.model._replace(param=param, track=pack(constant_track(0.0, 0.0))))
+    model = freeze(system.model._replace(param=param, track=pack(constant_track(0.0, 0.0)), shift=NO_SHIFT))
     motion = _Steady(system, model, 0.0, 0.0)
     x, residual, iterations = _newton(motion, motion.first_guess(0.0), (0.0, 0.0, 0.0))
     if not residual < TOLERANCE:
@@ -250,7 +251,7 @@ def steady(system, curvature, cant, speed=None, lateral=None):
 
     def into_curve(share, x):
         track = pack(constant_track(share * curvature, share * cant))
-        motion = _Steady(system, freeze(system.model._replace(param=param, track=track)), speed, 0.0)
+        motion = _Steady(system, freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT)), speed, 0.0)
         turning = _turning(share * curvature, share * cant, base)
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
 
@@ -283,7 +284,7 @@ def _settle(system, param, curvature, cant, speed):
     curve = constant_track(curvature, cant).sections[0]
     into = Straight(length=RUN_IN), Transition(length=RUN_IN)
     track = pack(Track((*into, curve.model_copy(update={"length": speed * SETTLING + RUN_IN}))))
-    run = replace(system, model=freeze(system.model._replace(param=param, track=track)), speed=speed)
+    run = replace(system, model=freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT)), speed=speed)
     data = run.start()
     data.q[:, 2:] = static(system).data.q[:, 2:]
     advance(run.model, data, round((2.0 * RUN_IN / speed + SETTLING) / param[0]["step"]))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railcli.kernels.layout import PARAM, Model, freeze, new_data
+from railcli.kernels.layout import NO_SHIFT, PARAM, Model, freeze, new_data
 
 from . import track as track_model
 from . import vehicle as vehicle_model
@@ -129,6 +129,7 @@ def assemble(scenario, tables):
         node=node,
         cell=cell,
         branch=branch,
+        shift=NO_SHIFT,
     )
     return System(
         model=freeze(model),

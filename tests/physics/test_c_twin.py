@@ -10,10 +10,12 @@ from railcli.kernels.layout import Creep
 
 @pytest.mark.skipif(not c_twin.compiler(), reason="gcc is not installed, which builds the C twin")
 def test_stages_against_c(wagon, tmp_path):
-    """Suspension, contact and creep at shaken states, both creep laws."""
+    """Suspension, contact and creep at shaken states, both creep laws, on ideal and on displaced rails."""
     repeat = None
-    for law in Creep:
+    for law, rails in zip(Creep, ("ideal", "displaced"), strict=True):
         system = scenes.tuned(wagon, creep_law=int(law))
+        if rails == "displaced":
+            system = scenes.on_rails(system, scenes.waves)
         for data in equality.states(system):
             repeat = repeat or c_twin.build(system.model, data, tmp_path)
             found = equality.against_c(system, data, repeat)

@@ -43,11 +43,13 @@ def test_rates_move_the_body(wagon):
 
 
 @pytest.mark.parametrize("law", list(Creep), ids=lambda law: law.name)
-@pytest.mark.parametrize("half_step", [0.0, 0.25e-3, 1e9])
-def test_right_hand_side_against_twin(wagon, law, half_step):
+@pytest.mark.parametrize("half_step, rails", [(0.0, "ideal"), (0.25e-3, "displaced"), (1e9, "ideal")])
+def test_right_hand_side_against_twin(wagon, law, half_step, rails):
     """Track, kinematics, suspension, contact, creep and inertia forces all at once, at random states."""
     rng = np.random.default_rng(3)
     system = scenes.tuned(wagon, creep_law=int(law))
+    if rails == "displaced":
+        system = scenes.on_rails(system, scenes.waves)
     patches = []
     for place in np.linspace(5.0, 600.0, 12):
         data = equality.shaken(system, rng, place)
