@@ -200,3 +200,15 @@ BUMP_ENERGY = 1e-3  # of the energy climbed: squares of the step of 0.1 ms times
 APPROACH = 2e-3  # of the largest rate: quadratic interpolation of D against slopes interpolated linearly
 CROSS_LEVEL_ROLL = 0.03  # the axle stands beside the middle then, on other radii: 0.04 mm of 4 mm a side
 GAUGE_CENTRE = 1e-3  # [m] S1002 hardly steers within its clearance: the wheelset stops somewhere about the new middle
+
+# --- Irregularity ---
+PRINTED_RMS = 0.6e-3  # [mm] half a unit of the third decimal
+PRINTED_AAR = 0.6e-5  # [mm] half a unit of the fifth decimal
+PARTIAL_FRACTIONS = 1e-9  # relative: differences of arcus tangents; quadrature to 1e-11
+PARSEVAL = 1e-9  # rounding of a Fourier sum
+WAVE_SLOPE = 0.03  # central differences of the shortest of waves at 16 samples: (2 pi / 16)^2 / 6
+CHANCE = 0.2  # correlation of two series of 20 km with a few hundred effective waves
+SHAPE_SLOPE = 2e-3  # per metre: central differences over 0.1 mm where curvature jumps by 10 1/m
+SAMPLED_SLOPE = 1e-6  # central differences over 5 mm of waves of 4 m
+MEASURED = 5e-8  # [m] a spline through sines sampled at 1/75 of their length; six decimals of mm
+WRITTEN = 1e-10  # [m] seven decimals of mm

@@ -115,14 +115,14 @@ def _text(path, kind):
     return plain_text(path, f"give {_choices(kind)}")
 
 
-def plain_text(path, advice="give a text file"):
-    """The text of a regular file of at most 10 MB without bytes that no text has; else an InputError."""
+def plain_text(path, advice="give a text file", largest_mb=LARGEST_FILE_MB, what="profile file"):
+    """The text of a regular file of at most `largest_mb` without bytes that no text has; else an InputError."""
     try:
         if not path.is_file():
             raise InputError(path, f"this is not a regular file; {advice}")
         size = path.stat().st_size
-        if size > LARGEST_FILE_MB * 1e6:
-            raise InputError(path, f"{size / 1e6:.1f} MB; a profile file may have at most {LARGEST_FILE_MB} MB")
+        if size > largest_mb * 1e6:
+            raise InputError(path, f"{size / 1e6:.1f} MB; a {what} may have at most {largest_mb} MB")
         data = path.read_bytes()
     except OSError as error:
         raise unreadable(path, error) from error

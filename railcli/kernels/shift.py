@@ -10,6 +10,7 @@ from .vec3 import add, scale, sub
 
 IDEAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))  # axes of a rail in its place
 
+
 @kernel
 def hermite(node, i, t, h, k):
     """Value, slope and second derivative of the cubic between rows i and i + 1, t of the way, from channels k, k + 1.

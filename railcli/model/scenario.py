@@ -8,7 +8,9 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
+from .irregularity import Source
 from .profile import TAPE_TO_BACK
+from .rails import course
 from .submodels import CREEP_LAWS, NORMAL_LAWS
 from .track import MARGIN, Track
 from .vehicle import Vehicle
@@ -98,6 +100,7 @@ class Scenario(Description):
     run: Run
     track: Track
     contact: Contact = Contact()
+    irregularity: tuple[Source, ...] = ()
     start: Start = Start()
 
     @model_validator(mode="after")
@@ -120,6 +123,11 @@ class Scenario(Description):
         for section in self.track.sections:
             if section.kind == "curve" and abs(section.cant) >= self.cant_base:
                 raise ValueError(f"cant_base_m: must be larger than the cant, got {self.cant_base:g} m")
+        for number, source in enumerate(self.irregularity, start=1):
+            try:
+                source.check(course(self))
+            except ValueError as error:
+                raise ValueError(f"irregularity[{number}]: {error}") from None
         return self
 
     @property

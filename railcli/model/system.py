@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railcli.kernels.layout import NO_SHIFT, PARAM, Model, freeze, new_data
+from railcli.kernels.layout import PARAM, Model, freeze, new_data
 
+from . import rails as rails_model
 from . import track as track_model
 from . import vehicle as vehicle_model
 from .contact_table import TableSettings
@@ -117,8 +118,10 @@ def assemble(scenario, tables):
         scenario.vehicle, scenario.run.gravity, scenario.contact.tape_circle, scenario.contact.friction
     )
     table, node, cell, branch = pool(tables)
+    param = parameters(scenario)
+    shift, param["shift_start"], param["shift_step"] = rails_model.pack(scenario)
     model = Model(
-        param=parameters(scenario),
+        param=param,
         track=track_model.pack(scenario.track),
         body=packed.body,
         joint=packed.joint,
@@ -129,7 +132,7 @@ def assemble(scenario, tables):
         node=node,
         cell=cell,
         branch=branch,
-        shift=NO_SHIFT,
+        shift=shift,
     )
     return System(
         model=freeze(model),
