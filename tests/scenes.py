@@ -6,7 +6,7 @@ import numpy as np
 
 from railcli.analysis.build_table import build_table
 from railcli.files.scenario import load
-from railcli.kernels.layout import BODY, ELEMENT, JOINT, WHEEL, freeze, new_data
+from railcli.kernels.layout import BODY, ELEMENT, JOINT, SHIFT_CHANNELS, WHEEL, freeze, new_data
 from railcli.kernels.step import advance, evaluate
 from railcli.model.contact_table import TableSettings
 from railcli.model.profile import Profile
@@ -67,6 +67,45 @@ def edited(system, name, **values):
     for key, value in values.items():
         array[key] = value
     return replaced(system, **{name: array})
+
+
+def on_rails(system, displacement, step=0.05, reach=(-45.0, 620.0)):
+    """The same system on displaced rails.
+
+    displacement : called with arc lengths (n,); returns values and slopes, each (rail, direction, n): right and left,
+        to the right and down [m], [-].
+    """
+    start, end = reach
+    s = start + step * np.arange(round((end - start) / step) + 1)
+    value, slope = displacement(s)
+    shift = np.stack([value, slope], axis=2).reshape(SHIFT_CHANNELS, s.size).T
+    return tuned(replaced(system, shift=np.ascontiguousarray(shift)), shift_start=start, shift_step=step)
+
+
+def waves(s):
+    """Displacement of some millimetres of every rail and direction, each with waves of its own."""
+    length = np.array([[9.0, 5.0], [7.0, 6.0]])[..., None]
+    size = np.array([[2e-3, 3e-3], [1.5e-3, 4e-3]])[..., None]
+    phase = 2.0 * np.pi * s / length + np.array([[0.3, 1.1], [2.0, 4.0]])[..., None]
+    return size * np.sin(phase), size * np.cos(phase) * 2.0 * np.pi / length
+
+
+def turn_x(angle):
+    """Matrix of a rotation about x."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def turn_y(angle):
+    """Matrix of a rotation about y: front up."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def turn_z(angle):
+    """Matrix of a rotation about z: to the right."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def floating(system, track=None):

@@ -243,3 +243,25 @@ TRACK_SINE = 7e-7  # of the change over a transition: cubics in place of a sine,
 ELEVEN_POINT_EIGHT = 2e-4  # 1500 / 9.81 / 3.6^2 is 11.798
 CHORD_SLOPE = 0.02  # a chord over 1/30 of a transition: (1/30)^2 of the slope, or 1/60 at the corner of Helmert's
 LIFTING = 0.005  # where the wagon swings on its way up; measured 0.0012
+
+# --- Rails beside their ideal place ---
+SHIFTED_PLACE = 1e-9  # [m, rad] rounding of places some millimetres away, times contact stiffness over mass
+SHIFTED_FORCE = 1.0  # [N] the same times the stiffness of a contact
+TURNED_CONTACT = 1e-8  # relative: rounding of places, 1e-16, over a depth of 1e-4 m, and of sines of angles
+PARALLEL_CURVE = 4e-6  # [m] the rail runs straight under the wheel: (r z')^2 z'' / 2 = 2.6 micrometres is left out
+BUMP_ENERGY = 1e-3  # of the energy climbed: squares of the step of 0.1 ms times 240 Hz
+APPROACH = 2e-3  # of the largest rate: quadratic interpolation of D against slopes interpolated linearly
+CROSS_LEVEL_ROLL = 0.03  # the axle stands beside the middle then, on other radii: 0.04 mm of 4 mm a side
+GAUGE_CENTRE = 1e-3  # [m] S1002 hardly steers within its clearance: the wheelset stops somewhere about the new middle
+
+# --- Irregularity ---
+PRINTED_RMS = 0.6e-3  # [mm] half a unit of the third decimal
+PRINTED_AAR = 0.6e-5  # [mm] half a unit of the fifth decimal
+PARTIAL_FRACTIONS = 1e-9  # relative: differences of arcus tangents; quadrature to 1e-11
+PARSEVAL = 1e-9  # rounding of a Fourier sum
+WAVE_SLOPE = 0.03  # central differences of the shortest of waves at 16 samples: (2 pi / 16)^2 / 6
+CHANCE = 0.2  # correlation of two series of 20 km with a few hundred effective waves
+SHAPE_SLOPE = 2e-3  # per metre: central differences over 0.1 mm where curvature jumps by 10 1/m
+SAMPLED_SLOPE = 1e-6  # central differences over 5 mm of waves of 4 m
+MEASURED = 5e-8  # [m] a spline through sines sampled at 1/75 of their length; six decimals of mm
+WRITTEN = 1e-10  # [m] seven decimals of mm

@@ -8,6 +8,7 @@ of a joint, gradients of the quaternion for its rotational stiffness.
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from railcli.kernels.kalker import stiffness
 from railcli.kernels.layout import MAX_CONTACT, PATCH_PENETRATIONS, PATCH_ROWS, Axes, Creep, Kind, Node, Press
@@ -232,13 +233,50 @@ def suspension(model, bodies, damper, half_step):
     return force, moment, rates
 
 
-def enter(wheel, q):
-    """Pose (y about nominal, z, roll, yaw) of the reference point of every wheel, a left wheel's in the mirror."""
-    y, z, roll, yaw = (q[wheel["body"], k] for k in (1, 2, 3, 5))
+class Rails(NamedTuple):
+    """The rail under every wheel: leading axis wheel, track axes."""
+
+    place: np.ndarray  # (n, 2) lateral, vertical displacement [m]
+    slope: np.ndarray  # (n, 2) [-]
+    bend: np.ndarray  # (n, 2) [1/m]
+    axes: np.ndarray  # (n, 3, 3) columns: along the rail, right of it, down
+
+
+def rails(model, s):
+    """Displacement of the rail under every wheel, its wheelset at arc lengths s; IndexError where it is not given."""
+    param, right = model.param[0], model.wheel["side"] > 0.0
+    if not model.shift.size:
+        none = np.zeros((s.size, 2))
+        return Rails(none, none, none, np.broadcast_to(np.eye(3), (s.size, 3, 3)))
+    knots = param["shift_start"] + param["shift_step"] * np.arange(model.shift.shape[0])
+    if not ((s >= knots[0]) & (s <= knots[-1])).all():
+        raise IndexError("off the displaced rails")
+    both = model.shift.reshape(-1, 2, 2, 2)
+    spline = CubicHermiteSpline(knots, both[..., 0], both[..., 1])
+    place, slope, bend = (
+        np.where(right[:, None], values[:, 0], values[:, 1]) for values in (spline(s), spline(s, 1), spline(s, 2))
+    )
+    yaw = np.arctan(slope[:, 0])
+    pitch = -np.arctan(slope[:, 1] * np.cos(yaw))
+    return Rails(place, slope, bend, rotation(2, yaw) @ rotation(1, pitch))
+
+
+def enter(wheel, q, rail):
+    """Pose (y about nominal, z, roll, yaw) of the reference point of every wheel, a left wheel's in the mirror.
+
+    In the frame of its rail, whose origin lies under the nominal tape circle and moves with the rail.
+    """
     side, b, r = wheel["side"], wheel["lateral"], wheel["radius"]
-    mirrored = np.column_stack([np.zeros_like(y), side * y, z])
+    of, nothing = wheel["body"], np.zeros(side.size)
+    axes = rotation(2, q[of, 5]) @ rotation(0, q[of, 3])
+    origin = np.column_stack([nothing, side * b, nothing])
+    centre = q[of, :3] * [0.0, 1.0, 1.0] - origin - np.column_stack([nothing, rail.place])
+    centre = turn_back(rail.axes, centre) + origin
+    axle = turn_back(rail.axes, axes[:, :, 1])
+    roll, yaw = np.arcsin(axle[:, 2]), np.arctan2(-axle[:, 0], axle[:, 1])
     axes = rotation(2, side * yaw) @ rotation(0, side * roll)
-    bottom = mirrored + b[:, None] * axes[:, :, 1] + r[:, None] * axes[:, :, 2]
+    bottom = centre * np.column_stack([nothing, side, nothing + 1.0])
+    bottom = bottom + b[:, None] * axes[:, :, 1] + r[:, None] * axes[:, :, 2]
     return bottom[:, 1] - b, bottom[:, 2], side * roll, side * yaw
 
 
@@ -344,22 +382,32 @@ def contact(model, bodies, q, v):
     """Patches of all wheels."""
     param, wheel = model.param[0], model.wheel
     of = wheel["body"]
-    y, z, roll, yaw = enter(wheel, q)
+    rail = rails(model, q[of, 0])
+    y, z, roll, yaw = enter(wheel, q, rail)
     sample, loaded = look_up(model, wheel["table"], y, roll, yaw, z)
     slope = wheel["side"][:, None] * sample[..., Node.SLOPE]
     normal = np.stack([np.zeros_like(slope), -slope, np.ones_like(slope)], axis=-1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     cosine = normal[..., 2]
+    normal = turn(rail.axes[:, None], normal)
     axle = bodies.pose[of][:, None, :, 1]
     radial = normal - np.sum(normal * axle, axis=-1, keepdims=True) * axle
-    radial /= np.linalg.norm(radial, axis=-1, keepdims=True)
+    sine = np.linalg.norm(radial, axis=-1, keepdims=True)
+    radial /= sine
     out = wheel["side"][:, None] * (wheel["lateral"][:, None] + sample[..., Node.LATERAL])
     arm = out[..., None] * axle + sample[..., Node.RADIUS][..., None] * radial
+    ahead, down = rail.axes[:, None, :, 0], sample[..., Node.RADIUS] / sine[..., 0]
+    bend = np.einsum("wbi,wi->wb", normal[..., 1:], rail.bend)
+    place = arm[..., 0] / (1.0 + bend * down * ahead[..., 0])
+    arm = arm - (down * bend * place)[..., None] * ahead
 
     rate = bodies.rate[of]
     first = rotation(2, q[of, 5])
     unspun = first[:, :, 0] * rate[:, 3:4] + first[:, :, 2] * rate[:, 5:6]
+    bent = np.zeros_like(arm)
+    bent[..., 1:] = arm[..., :1] * rail.bend[:, None]
     moving = rate[:, None, :3] * [0.0, 1.0, 1.0] + np.cross(unspun[:, None], arm)
+    moving[..., 1:] -= rate[:, None, :1] * (rail.slope[:, None] + bent[..., 1:])
     approach = np.sum(normal * moving, axis=-1)
     spring = elastic(sample, loaded, cosine)
     rise = np.sign(approach) * np.abs(approach) ** param["damping_rate_power"]
@@ -369,8 +417,9 @@ def contact(model, bodies, q, v):
     velocity, omega = v[of][:, None, :3], turn(bodies.pose[of], v[of, 3:])[:, None]
     way = np.where(v[of, 0] >= 0.0, 1.0, -1.0)[:, None, None]
     point = arm + q[of][:, None, :3] * [0.0, 1.0, 1.0]
-    ahead = bodies.advance[of][:, None] + np.cross(bodies.turning[of][:, None], point)
-    along = way * ([1.0, 0.0, 0.0] + ahead * [0.0, 1.0, 1.0])
+    moved = bodies.advance[of][:, None] + np.cross(bodies.turning[of][:, None], point)
+    along = way * (ahead + moved * [0.0, 1.0, 1.0] + bent)
+    normal = normal - np.sum(normal * bent, axis=-1, keepdims=True) * ahead
     across = np.cross(normal, along)
     surface = velocity + np.cross(omega, arm)
     speed = np.maximum(np.linalg.norm(v[of, :3], axis=1), param["creep_speed"])[:, None]

@@ -2,7 +2,8 @@
 
 The unknowns of a steady motion are the coordinates of every body that do not grow (y, z, roll, yaw; pitch but for
 wheelsets), the places of the bodies along the track against the first, the spin of the wheelsets and the one speed of
-all bodies; the equations are all accelerations of the compiled model, 6 per body (theory.md section 9).
+all bodies; the equations are all accelerations of the compiled model, 6 per body (theory.md section 9). Rails lie in
+their ideal place: irregularity does not enter.
 """
 
 from dataclasses import dataclass, replace
@@ -12,8 +13,9 @@ import numpy as np
 from railcli.errors import SimulationError
 from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
-from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
+from railcli.kernels.layout import MAX_CONTACT, NO_SHIFT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
 from railcli.kernels.step import advance, evaluate
+from railcli.model.rails import constant as constant_rails
 from railcli.model.sections import Gradient, Straight, Transition
 from railcli.model.track import Track, constant_track, pack
 
@@ -207,7 +209,8 @@ def static(system):
     """
     param = system.model.param.copy()
     param["speed"] = 0.0
-    model = freeze(system.model._replace(param=param, track=pack(constant_track(0.0, 0.0))))
+    track = pack(constant_track(0.0, 0.0))
+    model = freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT))
     wheels = model.wheel
     held = {wheels[i]["body"]: 0.0 for i in range(0, wheels.size, 2) if sides_differ(model, i)}
     motion = _Steady(system, model, 0.0, 0.0, held)
@@ -245,7 +248,7 @@ def _turning(curvature, cant, base, gradient):
     return -curvature * np.sin(angle), level * sine, level * np.sqrt(1.0 - sine**2)
 
 
-def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0):
+def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0, aside=(0.0, 0.0)):
     """Quasi-static curving: the steady motion at constant speed in a constant curve, on a constant gradient.
 
     Found by Newton's method while curvature, cant and gradient grow together from straight level track. In a vertical
@@ -265,6 +268,8 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0):
         minus data.load[i, 1] of the result [N].
     gradient : float
         Rise over horizontal length [-].
+    aside : pair of float
+        Left and right rail stand to the right of their nominal places by this [m].
 
     Returns
     -------
@@ -282,7 +287,9 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0):
 
     def into_curve(share, x):
         track = pack(constant_track(share * curvature, share * cant), gradients=rising(share * gradient))
-        motion = _Steady(system, freeze(system.model._replace(param=param, track=track)), speed, 0.0)
+        shift, param["shift_start"], param["shift_step"] = constant_rails(*(share * rail for rail in aside))
+        model = freeze(system.model._replace(param=param.copy(), track=track, shift=shift))
+        motion = _Steady(system, model, speed, 0.0)
         turning = _turning(share * curvature, share * cant, base, share * gradient)
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
 
@@ -296,12 +303,12 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0):
         own = {i: motion.data.q[i, 1] for i in lateral}
         free_x = _Steady(system, model, speed, 0.0, own).unknowns(motion.data)
 
-        def aside(share, x):
+        def pushed(share, x):
             there = {i: own[i] + share * (lateral[i] - own[i]) for i in lateral}
             motion = _Steady(system, model, speed, 0.0, there)
             return (motion, *_solve(motion, x, turning))
 
-        motion, x, turning, residual, more = _follow(aside, free_x)
+        motion, x, turning, residual, more = _follow(pushed, free_x)
         total += more
     if not residual < TOLERANCE:
         raise SimulationError(
@@ -322,7 +329,7 @@ def _settle(system, param, curvature, cant, speed, gradient):
     into = Straight(length=RUN_IN), Transition(length=RUN_IN)
     track = Track((*into, curve.model_copy(update={"length": speed * SETTLING + RUN_IN})))
     track = pack(track, gradients=rising(gradient))
-    run = replace(system, model=freeze(system.model._replace(param=param, track=track)), speed=speed)
+    run = replace(system, model=freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT)), speed=speed)
     data = run.start()
     data.q[:, 2:] = static(system).data.q[:, 2:]
     advance(run.model, data, round((2.0 * RUN_IN / speed + SETTLING) / param[0]["step"]))

@@ -4,7 +4,7 @@ import numpy as np
 
 from railcli.kernels.layout import Status
 
-_WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS)
+_WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS, Status.LEFT_SHIFT)
 
 
 def wheel_name(system, wheel):
@@ -22,11 +22,13 @@ def sentence(system, data, status):
         _, y, z, roll, _, yaw = data.q[body]
         pose = f"y = {y * 1e3:.1f} mm, roll = {roll * 1e3:.1f} mrad, yaw = {yaw * 1e3:.1f} mrad"
         wheel = system.model.wheel[culprit]
+        z = z - data.rail[culprit]["vertical"]
         lift = -(z + wheel["side"] * wheel["lateral"] * np.sin(roll) + wheel["radius"] * np.cos(roll))
         what = {
             Status.LEFT_TABLE: f"left the contact table ({pose})",
             Status.DERAILED: f"derailed: its tape circle stands {1e3 * lift:.1f} mm over the rail ({pose})",
             Status.TOO_MANY_CONTACTS: f"has more contact patches at once than the core keeps ({pose})",
+            Status.LEFT_SHIFT: "ran beyond the stretch on which the displacement of its rail is given",
         }[status]
         return f"{when}: wheel {wheel_name(system, culprit)} {what}"
     name = system.bodies[culprit]

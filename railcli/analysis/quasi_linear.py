@@ -11,10 +11,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from railcli.errors import InputError
 from railcli.kernels.layout import NODE_CHANNELS, Node
 from railcli.kernels.tabulate import describe
 from railcli.model.contact_table import ContactTable, TableSettings
-from railcli.model.system import assemble, table_settings
+from railcli.model.system import assemble, needed, table_settings
 
 from .build_table import wheel_regions
 from .conicity import rolling, sweep, swing
@@ -196,7 +197,8 @@ def linear_table(line, settings, wheel_name="", rail_name=""):
     lean = line.lateral + line.radius * t0
     g0 = -line.lateral - t0 * deep
     node[..., Node.GAP_YAW2] = -0.5 * t0 * lean
-    node[..., Node.SLOPE] = shape + t0 + tu * u + tr * roll
+    node[..., Node.GAP_Y] = node[..., Node.SLOPE] = shape + t0 + tu * u + tr * roll
+    node[..., Node.SLOPE_Y], node[..., Node.SLOPE_ROLL], node[..., Node.LATERAL_Y] = tu, tr, place_u
     node[..., Node.GAP_ROLL] = shape + g0 + tr * u + rr * roll
     node[..., Node.GAP] = (
         shape + line.height + t0 * u + 0.5 * tu * u**2 + g0 * roll + tr * u * roll + 0.5 * rr * roll**2
@@ -224,6 +226,18 @@ def linear_table(line, settings, wheel_name="", rail_name=""):
     )
 
 
+def _radii(scenario):
+    """Wheel radii of the contact tables that a scenario needs, in their order [m]."""
+    right, left = scenario.contact.sides
+    radii = [scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets]
+    if right != left or any(one != other for one, other in radii):
+        raise InputError(
+            "quasi-linear contact",
+            "the left and the right side differ in profiles or wheel radii; this linearisation needs equal sides",
+        )
+    return [pairing.radius for pairing in needed(scenario)]
+
+
 def lines_of(scenario, wheel, rail, amplitudes, progress=None):
     """Quasi-linear contact of a scenario's wheelsets.
 
@@ -241,8 +255,13 @@ def lines_of(scenario, wheel, rail, amplitudes, progress=None):
     -------
     list of tuple of QuasiLinear
         For each amplitude one for each of the vehicle's wheel radii, in their order.
+
+    Raises
+    ------
+    InputError
+        Left and right side differ.
     """
-    radii = scenario.vehicle.wheel_radii
+    radii = _radii(scenario)
     found = []
     for k, radius in enumerate(radii):
         settings = table_settings(scenario, radius)
@@ -266,5 +285,5 @@ def quasi_linear_system(scenario, lines):
     """
     friction = 1.0 if scenario.contact.friction > 0.0 else 0.0  # it only limits creep forces
     scenario = scenario.varied(contact={"creep_law": "hard", "friction": friction})
-    settings = [table_settings(scenario, radius) for radius in scenario.vehicle.wheel_radii]
+    settings = [table_settings(scenario, radius) for radius in _radii(scenario)]
     return assemble(scenario, [linear_table(line, one) for line, one in zip(lines, settings, strict=True)])

@@ -24,12 +24,15 @@ class Stretch:
         Signed as in the core: positive in a right-hand curve [1/m], left over right rail [m].
     gradient : float
         Rise over horizontal length [-].
+    aside : pair of float
+        How far left and right rail stand to the right of their nominal places, where the gauge is wider [m].
     """
 
     kind: str
     curvature: float
     cant: float
     gradient: float = 0.0
+    aside: tuple = (0.0, 0.0)
 
     @property
     def outwards(self):
@@ -56,7 +59,8 @@ def final_stretch(scenario):
         return None
     curvature, cant = curvatures.pop()
     kind = "straight" if curvature == 0.0 else "right-hand curve" if curvature > 0.0 else "left-hand curve"
-    return Stretch(kind, curvature, cant, float(np.tan(angles[0])))
+    aside = scenario.track.shifts([0.5 * (begin + end)], scenario.contact.gauge)[:, 0]
+    return Stretch(kind, curvature, cant, float(np.tan(angles[0])), tuple(aside.tolist()))
 
 
 def weight_along(scenario, stretch):
@@ -129,7 +133,7 @@ def peaks_to_peaks(system, stretch, window):
 def solved(system, stretch):
     """The steady motion by Newton's method; None when none is found."""
     try:
-        data = steady(system, stretch.curvature, stretch.cant, gradient=stretch.gradient).data
+        data = steady(system, stretch.curvature, stretch.cant, gradient=stretch.gradient, aside=stretch.aside).data
     except SimulationError:
         return None
     return _arranged(system, stretch, stretch.outwards, data.q, data.rail["y"], data.rail["q"])

@@ -117,22 +117,22 @@ def _text(path, kind):
     return plain_text(path, f"give {_choices(kind)}")
 
 
-def plain_text(path, advice="give a text file"):
-    """The text of a regular file of at most 10 MB in lines, without bytes that no text has; else an InputError."""
+def plain_text(path, advice="give a text file", what="profile file", largest_mb=LARGEST_FILE_MB, most_lines=MOST_LINES):
+    """The text of a regular file of limited size in lines, without bytes that no text has; else an InputError."""
     try:
         if not path.is_file():
             raise InputError(path, f"this is not a regular file; {advice}")
         size = path.stat().st_size
-        if size > LARGEST_FILE_MB * 1e6:
-            raise InputError(path, f"{size / 1e6:.1f} MB; a profile file may have at most {LARGEST_FILE_MB} MB")
+        if size > largest_mb * 1e6:
+            raise InputError(path, f"{size / 1e6:.1f} MB; a {what} may have at most {largest_mb} MB")
         data = path.read_bytes()
     except OSError as error:
         raise unreadable(path, error) from error
     strange = set(data) & (set(range(32)) - set(b"\t\n\r\f"))
     if strange:
         raise InputError(path, f"this is a binary file (it contains byte {min(strange)}); a text file is needed")
-    if (count := max(data.count(b"\n"), data.count(b"\r"))) > MOST_LINES:
-        raise InputError(path, f"{count} lines; a profile file may have at most {MOST_LINES}: thin the points out")
+    if (count := max(data.count(b"\n"), data.count(b"\r"))) > most_lines:
+        raise InputError(path, f"{count} lines; a {what} may have at most {most_lines}: thin the points out")
     for number, line in enumerate(data.replace(b"\r", b"\n").split(b"\n"), start=1):
         if len(line) > LONGEST_LINE:
             raise InputError(f"{path}, line {number}", f"{len(line)} bytes in one line; {advice}")

@@ -35,6 +35,8 @@ RAIL_CHANNELS = {
     "X": ("x", "N", "force of the wheel on the rail, forward"),
     "Y": ("y", "N", "force of the wheel on the rail, to the right"),
     "Q": ("q", "N", "force of the wheel on the rail, down"),
+    "rail_y": ("lateral", "m", "displacement of the rail at the wheelset's place, to the right"),
+    "rail_z": ("vertical", "m", "displacement of the rail at the wheelset's place, down"),
     "patches": ("patches", "-", "number of loaded contact patches"),
 }
 PATCH_CHANNELS = {  # forces are zero, all else is not a number, where there is no patch

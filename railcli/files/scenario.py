@@ -13,7 +13,7 @@ from railcli.model.scenario import Run, Scenario
 from railcli.model.track import Track, pack
 from railcli.model.vehicle import Vehicle
 
-from . import toml
+from . import irregularity, toml
 from .output import file_name
 from .resources import resource
 from .track_table import read_alignment
@@ -183,6 +183,10 @@ def _load_file(path):
             contact[key] = _beside(contact.get(key), path)
             if contact[key] is None:
                 del contact[key]
+    for source in table.get("irregularity", []) if isinstance(table.get("irregularity"), list) else []:
+        if isinstance(source, dict) and source.get("kind") == "measured" and isinstance(source.get("file"), str):
+            samples = irregularity.read(path.parent / source["file"])
+            source.update(samples=samples, sha256=samples.sha256)
     return toml.build(Scenario, table, path)
 
 

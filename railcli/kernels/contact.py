@@ -11,7 +11,9 @@ from .jit import kernel
 from .kalker import stiffness
 from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Press, Status
 from .rows import mix, mix_bent
-from .vec3 import add, cross, dot, get, scale
+from .shift import IDEAL, along_bent, course, rail_axes, shift_rail, turned
+from .trig import arc_sine
+from .vec3 import add, cross, dot, get, scale, sub
 
 GAP_Y = Node.GAP_Y.value
 SLOPE_Y = Node.SLOPE_Y.value
@@ -61,6 +63,22 @@ def enter(side, lateral, radius, y, z, sr, cr, cy):
     yaw = atan2(-e_x, e_y) of the axle's direction e. The table takes side * roll and side * yaw beside them.
     """
     return side * y + (lateral * cr - side * radius * sr) * cy - lateral, z + side * lateral * sr + radius * cr
+
+
+@kernel
+def enter_shifted(wheel, rail, axes, y, z, axle):
+    """As `enter`, on a displaced rail, with the wheel's roll and yaw: all in the frame of the rail (theory.md 4.3).
+
+    axes : `rail_axes`.  y, z : of the wheelset's centre in the track frame [m].  axle : its direction.
+    """
+    along, right, down = axes
+    side, lateral = wheel["side"], wheel["lateral"]
+    nominal = side * lateral
+    from_rail = (0.0, y - rail["lateral"] - nominal, z - rail["vertical"])
+    ex, ey, ez = dot(along, axle), dot(right, axle), dot(down, axle)
+    cr = sqrt(1.0 - ez * ez)
+    y, z = enter(side, lateral, wheel["radius"], dot(right, from_rail) + nominal, dot(down, from_rail), ez, cr, ey / cr)
+    return y, z, side * arc_sine(ez), side * arc_sine(-ex / cr)
 
 
 @kernel
@@ -274,13 +292,23 @@ def touch(model, data):
     """Normal contact of every wheel: fill data.contact (normal force and geometry) and data.rail. Returns a status."""
     param = model.param[0]
     sample = data.sample
+    shifted = model.shift.shape[0] > 0
     for w in range(model.wheel.size):
         wheel, rail = model.wheel[w], data.rail[w]
         body, side = wheel["body"], wheel["side"]
         frame = data.frame[body]
         sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
-        y, z = enter(side, wheel["lateral"], wheel["radius"], data.q[body, 1], data.q[body, 2], sr, cr, cy)
-        roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
+        axle = (-sy * cr, cy * cr, sr)
+        axes = IDEAL
+        if shifted:
+            if not shift_rail(model, side, data.q[body, 0], rail):
+                data.fault[0] = w
+                return Status.LEFT_SHIFT.value
+            axes = rail_axes(rail)
+            y, z, roll, yaw = enter_shifted(wheel, rail, axes, data.q[body, 1], data.q[body, 2], axle)
+        else:
+            y, z = enter(side, wheel["lateral"], wheel["radius"], data.q[body, 1], data.q[body, 2], sr, cr, cy)
+            roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
         found = look_up(model.table[wheel["table"]], model.node, model.cell, model.branch, y, roll, yaw, z, sample)
         rail["x"], rail["y"], rail["q"], rail["patches"] = 0.0, 0.0, 0.0, 0.0
         for j in range(max(found, 0), MAX_CONTACT):
@@ -295,23 +323,24 @@ def touch(model, data):
         if z < -param["derail_lift"]:
             data.fault[0] = w
             return Status.DERAILED.value
-        axle = (-sy * cr, cy * cr, sr)
         turn = (data.rate[body, 3] * cy, data.rate[body, 3] * sy, data.rate[body, 5])
         for j in range(found):
             slope = side * sample[j, SLOPE]
             cosine = 1.0 / sqrt(1.0 + slope * slope)
             normal = (0.0, -slope * cosine, cosine)
+            if shifted:
+                normal = turned(axes, normal)
             lean = dot(normal, axle)
             radius, out = sample[j, RADIUS], side * (wheel["lateral"] + sample[j, LATERAL])
             down = radius / sqrt(1.0 - lean * lean)
             along = out - down * lean
-            arm = (
-                along * axle[0],
-                along * axle[1] + down * normal[1],
-                along * axle[2] + down * normal[2],
-            )
-            moved = cross(turn, arm)
-            approach = normal[1] * (data.rate[body, 1] + moved[1]) + normal[2] * (data.rate[body, 2] + moved[2])
+            arm = add(scale(along, axle), scale(down, normal))
+            if shifted:
+                arm = along_bent(rail, axes, normal, arm, down)
+            moved = add(cross(turn, arm), (0.0, data.rate[body, 1], data.rate[body, 2]))
+            if shifted:
+                moved = sub(moved, scale(data.rate[body, 0], course(rail, arm[0])))
+            approach = dot(normal, moved)
             elastic = elastic_share(sample, found, j, cosine)
             depth = sample[j, GAP] * cosine
             if elastic < power_1_5(depth):
@@ -336,12 +365,13 @@ def touch(model, data):
 def slip(model, data):
     """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load, fill data.creep_damping.
 
-    The rail is at rest. Its direction at the contact differs from that of the track frame by the frame's rotation and
-    motion per metre: by curvature ahead of the axle, and on a cant ramp by the slope of each rail. Running backwards
-    turns the contact axes x and t with the rolling direction.
+    The rail is at rest. Its direction at the contact differs from that of the track frame by its own slopes and bend,
+    and by the frame's rotation and motion per metre: by curvature ahead of the axle, and on a cant ramp by the slope of
+    each rail. Running backwards turns the contact axes x and t with the rolling direction.
     """
     param = model.param[0]
     block = data.creep_damping
+    shifted = model.shift.shape[0] > 0
     for i in range(model.body.size):
         if model.body[i]["spins"]:
             for a in range(6):
@@ -364,19 +394,25 @@ def slip(model, data):
         way = 1.0 if v[0] >= 0.0 else -1.0
         per_speed = 1.0 / max(sqrt(dot(v, v)), param["creep_speed"])
         k, advance = get(frame["rate"]), get(frame["advance"])
+        axes = rail_axes(rail) if shifted else IDEAL
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for j in range(patches):
             contact = data.contact[w, j]
             slope = contact["slope"]
             cosine = 1.0 / sqrt(1.0 + slope * slope)
-            normal = (0.0, -slope * cosine, cosine)
             arm = (contact["arm"][0], contact["arm"][1], contact["arm"][2])
+            normal = (0.0, -slope * cosine, cosine)
             right, down_rail = data.q[i, 1] + arm[1], data.q[i, 2] + arm[2]
             along = (
                 way,
                 way * (advance[1] + k[2] * arm[0] - k[0] * down_rail),
                 way * (advance[2] + k[0] * right - k[1] * arm[0]),
             )
+            if shifted:
+                bent = (0.0, arm[0] * rail["lateral_bend"], arm[0] * rail["vertical_bend"])
+                normal = turned(axes, normal)
+                normal = sub(normal, scale(dot(normal, bent), axes[0]))
+                along = add(add(along, (-way, 0.0, 0.0)), scale(way, add(axes[0], bent)))
             across = cross(normal, along)
             arm_x, arm_t = cross(arm, along), cross(arm, across)
             xi = (dot(along, v) + dot(arm_x, omega)) * per_speed

@@ -20,6 +20,7 @@ PATH_ORDER = 8
 PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
 PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 SAMPLE_ROWS = MAX_CONTACT + PATCH_ROWS
+SHIFT_CHANNELS = 8  # right rail: lateral [m], its slope [-], vertical [m], its slope [-]; left rail likewise
 
 
 class Status(IntEnum):
@@ -31,6 +32,7 @@ class Status(IntEnum):
     DERAILED = 3  # fault = wheel
     LEFT_TRACK = 4  # fault = body
     TOO_MANY_CONTACTS = 5  # fault = wheel
+    LEFT_SHIFT = 6  # fault = wheel: the displacement of its rail is not given there
 
 
 class Kind(IntEnum):
@@ -75,6 +77,8 @@ PARAM = np.dtype(
         ("damping_rate_power", "f8"),  # g2 [-]
         ("damping_depth_power", "f8"),  # g3 [-]
         ("derail_lift", "f8"),  # climb of a wheel over its nominal height that ends the run [m]
+        ("shift_start", "f8"),  # arc length of the first row of Model.shift [m]
+        ("shift_step", "f8"),  # between two of its rows [m]
     ],
     align=True,
 )
@@ -274,12 +278,18 @@ CONTACT = np.dtype(  # derived: one contact patch; forces on the wheel, contact 
     align=True,
 )
 
-RAIL = np.dtype(  # derived: force of one wheel on its rail, track axes
+RAIL = np.dtype(  # derived: force of one wheel on its rail, and how far that rail is from its ideal place; track axes
     [
         ("x", "f8"),  # [N]
         ("y", "f8"),  # Y, to the right [N]
         ("q", "f8"),  # Q, down [N]
         ("patches", "f8"),  # loaded contact patches
+        ("lateral", "f8"),  # displacement at the wheelset's arc length, to the right [m]
+        ("vertical", "f8"),  # down [m]
+        ("lateral_slope", "f8"),  # its derivatives along the track [-]
+        ("vertical_slope", "f8"),
+        ("lateral_bend", "f8"),  # [1/m]
+        ("vertical_bend", "f8"),
     ],
     align=True,
 )
@@ -300,6 +310,7 @@ class Model(NamedTuple):
     cell: np.ndarray  # (n_cell + 1,) first branch of each cell
     branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
     creep: np.ndarray  # (n, 4) creep_table.tabulate; empty unless the creep law needs it
+    shift: np.ndarray  # (n, SHIFT_CHANNELS) displacement of the rails at equal distances; n = 0: they lie ideally
 
 
 class Data(NamedTuple):
@@ -349,6 +360,7 @@ MODEL_TYPE = types.NamedTuple(
         constant(np.float64, 2),
         constant(np.int32),
         constant(np.int32, 2),
+        constant(np.float64, 2),
         constant(np.float64, 2),
     ),
     Model,
@@ -437,6 +449,9 @@ def new_rows(model, n):
         contact=np.zeros((n, n_wheel, MAX_CONTACT), CONTACT),
         traction=np.zeros(n),
     )
+
+
+NO_SHIFT = np.zeros((0, SHIFT_CHANNELS))  # Model.shift of rails in their ideal place
 
 
 def freeze(model):

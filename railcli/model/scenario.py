@@ -8,8 +8,10 @@ from typing import Annotated, Literal
 from pydantic import Field, Strict, model_validator
 
 from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
+from .irregularity import Source
 from .limits import Limits
 from .profile import TAPE_TO_BACK
+from .rails import course
 from .sections import Gradient
 from .submodels import CREEP_LAWS, NORMAL_LAWS
 from .track import MARGIN, Track, gradient_course, pack
@@ -134,6 +136,7 @@ class Scenario(Description):
     gradients: tuple[Gradient, ...] = Field((), alias="gradient")
     limits: Limits = Limits()
     contact: Contact = Contact()
+    irregularity: tuple[Source, ...] = ()
     start: Start = Start()
 
     @model_validator(mode="after")
@@ -166,6 +169,11 @@ class Scenario(Description):
                         f"track: measured gauge of {worst * 1e3:.6g} mm is more than {WIDEST * 1e3:g} mm from the "
                         f"nominal {self.contact.gauge * 1e3:g} mm of contact.gauge_mm"
                     )
+        for number, source in enumerate(self.irregularity, start=1):
+            try:
+                source.check(course(self))
+            except ValueError as error:
+                raise ValueError(f"irregularity[{number}]: {error}") from None
         return self
 
     @property

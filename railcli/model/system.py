@@ -9,6 +9,7 @@ import numpy as np
 from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
 from railcli.kernels.layout import PARAM, Creep, Model, freeze, new_data
 
+from . import rails as rails_model
 from . import vehicle as vehicle_model
 from .contact_table import LIMITS, TableSettings
 from .submodels import CREEP_LAWS, choose
@@ -162,8 +163,10 @@ def assemble(scenario, tables):
     wheel = packed.wheel.copy()
     wheel["table"] = [kinds.index(pairing) for pairing in pairings(scenario)]
     table, node, cell, branch = pool(tables)
+    param = parameters(scenario)
+    shift, param["shift_start"], param["shift_step"] = rails_model.pack(scenario)
     model = Model(
-        param=parameters(scenario),
+        param=param,
         track=scenario.pieces(),
         body=packed.body,
         joint=packed.joint,
@@ -175,6 +178,7 @@ def assemble(scenario, tables):
         cell=cell,
         branch=branch,
         creep=creep_table(scenario.contact.creep_law),
+        shift=shift,
     )
     return System(
         model=freeze(model),

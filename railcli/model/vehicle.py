@@ -181,6 +181,12 @@ def _statics(vehicle):
     return loads, weight + (rows @ loads).reshape(weight.shape)
 
 
+def carried(vehicle, gravity):
+    """Bushings that carry weight at rest with the force that each carries: list of (Place, force down [N])."""
+    loads, _ = _statics(vehicle)
+    return list(zip(_carriers(vehicle), gravity * loads, strict=True))
+
+
 def _on_wheelsets(vehicle):
     """Vertical force and its roll moment on each wheelset at rest per unit of gravity, (n_wheelset, 2) [kg, kg m]."""
     loads, _ = _statics(vehicle)

@@ -9,10 +9,12 @@ from benchmarks.speed import c_twin, equality
 
 @pytest.mark.skipif(not c_twin.compiler(), reason="gcc is not installed, which builds the C twin")
 def test_stages_against_c(wagon, tmp_path):
-    """Suspension, contact and creep at shaken states, creep laws of one factor."""
+    """Suspension, contact and creep at shaken states, creep laws of one factor, on ideal and on displaced rails."""
     repeat = None
-    for law in equality.LAWS:
+    for law, rails in zip(equality.LAWS, ("ideal", "displaced"), strict=True):
         system = scenes.tuned(wagon, creep_law=int(law))
+        if rails == "displaced":
+            system = scenes.on_rails(system, scenes.waves)
         for data in equality.states(system):
             repeat = repeat or c_twin.build(system.model, data, tmp_path)
             found = equality.against_c(system, data, repeat)

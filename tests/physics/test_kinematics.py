@@ -47,14 +47,16 @@ def test_rates_move_the_body(wagon, gradients, pivot):
 
 
 @pytest.mark.parametrize("law", equality.LAWS, ids=lambda law: law.name)
-@pytest.mark.parametrize("half_step", [0.0, 0.25e-3, 1e9])
+@pytest.mark.parametrize("half_step, rails", [(0.0, "ideal"), (0.25e-3, "displaced"), (1e9, "ideal")])
 @pytest.mark.parametrize("hilly", [False, True], ids=["level", "hills"])
-def test_right_hand_side_against_twin(wagon, law, half_step, hilly):
+def test_right_hand_side_against_twin(wagon, law, half_step, rails, hilly):
     """Track, kinematics, suspension, contact, creep and inertia forces all at once, at random states."""
     rng = np.random.default_rng(3)
     system = scenes.tuned(wagon, creep_law=int(law))
     if hilly:
         system = scenes.replaced(system, track=pack(scenes.WINDING, gradients=scenes.HILLS, pivot="inner"))
+    if rails == "displaced":
+        system = scenes.on_rails(system, scenes.waves)
     patches = []
     for place in np.linspace(5.0, 270.0 if hilly else 600.0, 12):
         data = equality.shaken(system, rng, place)

@@ -5,7 +5,7 @@ import tolerances as tol
 from numpy.testing import assert_allclose
 
 from railcli.kernels.block import block, solve
-from railcli.kernels.trig import SMALL, sine_cosine
+from railcli.kernels.trig import SMALL, SMALL_SINE, arc_sine, sine_cosine
 
 
 def test_sine_and_cosine():
@@ -14,6 +14,11 @@ def test_sine_and_cosine():
     found = np.array([sine_cosine(x) for x in angles])
     assert_allclose(found[:, 0], np.sin(angles), rtol=tol.LAST_DIGIT)
     assert_allclose(found[:, 1], np.cos(angles), rtol=tol.LAST_DIGIT)
+
+
+def test_arc_sine():
+    sines = np.concatenate([np.linspace(-1.1 * SMALL_SINE, 1.1 * SMALL_SINE, 2001), [1e-9, 0.0, 0.5, -1.0]])
+    assert_allclose([arc_sine(x) for x in sines], np.arcsin(sines), rtol=tol.LAST_DIGIT)
 
 
 def test_sine_of_what_is_not_a_number():

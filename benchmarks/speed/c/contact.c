@@ -102,36 +102,77 @@ static double normal_force(const struct param *param, double hertz, double elast
     return fmax(hertz * (elastic + param->damping * damped), 0.0);
 }
 
+static void hermite(const double *a, const double *b, double t, double h, double out[3])
+{
+    double da = h * a[1], db = h * b[1], c2 = 3.0 * (b[0] - a[0]) - 2.0 * da - db, c3 = 2.0 * (a[0] - b[0]) + da + db;
+    out[0] = a[0] + t * (da + t * (c2 + t * c3));
+    out[1] = (da + t * (2.0 * c2 + t * 3.0 * c3)) / h;
+    out[2] = (2.0 * c2 + t * 6.0 * c3) / (h * h);
+}
+
+static int shift_rail(const struct model *model, double side, double s, struct rail *rail)
+{
+    double h = model->param->shift_step, place = (s - model->param->shift_start) / h, y[3], z[3];
+    int64_t last = model->n_shift - 1, i = place;
+    if (!(place >= 0.0 && place <= last)) return 0;
+    i = i < last - 1 ? i : last - 1;
+    const double *a = model->shift[i] + (side > 0.0 ? 0 : 4), *b = model->shift[i + 1] + (side > 0.0 ? 0 : 4);
+    hermite(a, b, place - i, h, y);
+    hermite(a + 2, b + 2, place - i, h, z);
+    rail->lateral = y[0], rail->lateral_slope = y[1], rail->lateral_bend = y[2];
+    rail->vertical = z[0], rail->vertical_slope = z[1], rail->vertical_bend = z[2];
+    return 1;
+}
+
 int64_t touch(const struct model *model, struct data *data)
 {
     const struct param *param = model->param;
     double (*sample)[NODE_CHANNELS] = data->sample;
+    int shifted = model->n_shift > 0;
     for (int64_t w = 0; w < model->n_wheel; w++) {
         const struct wheel *wheel = &model->wheel[w];
         int64_t body = wheel->body;
         const struct frame *frame = &data->frame[body];
         const double *q = data->q[body], *rate = data->rate[body];
         double side = wheel->side, sr = frame->sine[0], sy = frame->sine[2], cr = frame->cosine[0], cy = frame->cosine[2];
-        double y = side * q[1] + (wheel->lateral * cr - side * wheel->radius * sr) * cy - wheel->lateral;
-        double z = q[2] + side * wheel->lateral * sr + wheel->radius * cr;
-        int found = look_up(model, &model->table[wheel->table], y, side * q[3], side * q[5], z, sample);
-        data->rail[w] = (struct rail){0};
+        vec axle = {-sy * cr, cy * cr, sr}, e = axle, right, below;
+        struct rail *rail = &data->rail[w];
+        double roll = q[3], yaw = q[5], rail_y = q[1], rail_z = q[2], b0 = side * wheel->lateral;
+        if (shifted && !shift_rail(model, side, q[0], rail)) return LEFT_SHIFT;
+        vec ahead = rail_axes(rail, &right, &below);
+        if (shifted) {
+            vec from = make(0.0, q[1] - rail->lateral - b0, q[2] - rail->vertical);
+            e = make(dot(ahead, axle), dot(right, axle), dot(below, axle));
+            rail_y = dot(right, from) + b0, rail_z = dot(below, from);
+            roll = asin(e.z), yaw = atan2(-e.x, e.y);
+            sr = e.z, cr = sqrt(1.0 - e.z * e.z), cy = e.y / cr;
+        }
+        double y = side * rail_y + (wheel->lateral * cr - side * wheel->radius * sr) * cy - wheel->lateral;
+        double z = rail_z + side * wheel->lateral * sr + wheel->radius * cr;
+        int found = look_up(model, &model->table[wheel->table], y, side * roll, side * yaw, z, sample);
+        rail->x = rail->y = rail->q = rail->patches = 0.0;
+        sr = frame->sine[0], cr = frame->cosine[0], cy = frame->cosine[2];
         for (int j = found > 0 ? found : 0; j < MAX_CONTACT; j++) {
             data->contact[w][j].normal = 0.0;
             data->contact[w][j].depth = 0.0;
         }
         if (found < 0 || found > MAX_CONTACT) return LEFT_TABLE;
         if (z < -param->derail_lift) return DERAILED;
-        vec axle = {-sy * cr, cy * cr, sr}, turn = {rate[3] * cy, rate[3] * sy, rate[5]};
+        vec turn = {rate[3] * cy, rate[3] * sy, rate[5]};
         for (int j = 0; j < found; j++) {
             const double *at = sample[j];
             struct contact *contact = &data->contact[w][j];
             double slope = side * at[SLOPE], cosine = 1.0 / sqrt(1.0 + slope * slope);
-            vec normal = {0.0, -slope * cosine, cosine};
+            vec normal = sub(scale(cosine, below), scale(slope * cosine, right));
             double lean = dot(normal, axle), down = at[RADIUS] / sqrt(1.0 - lean * lean);
             double along = side * (wheel->lateral + at[LATERAL]) - down * lean;
-            vec arm = add(scale(along, axle), scale(down, normal)), moved = cross(turn, arm);
-            double approach = normal.y * (rate[1] + moved.y) + normal.z * (rate[2] + moved.z);
+            vec arm = add(scale(along, axle), scale(down, normal));
+            double bend = normal.y * rail->lateral_bend + normal.z * rail->vertical_bend;
+            arm = sub(arm, scale(down * bend * arm.x / (1.0 + bend * down * ahead.x), ahead));
+            vec moved = cross(turn, arm);
+            moved.y += rate[1] - rate[0] * (rail->lateral_slope + arm.x * rail->lateral_bend);
+            moved.z += rate[2] - rate[0] * (rail->vertical_slope + arm.x * rail->vertical_bend);
+            double approach = dot(normal, moved);
             double elastic = elastic_share(sample, found, j, cosine), depth = at[GAP] * cosine;
             if (elastic < power_1_5(depth)) depth = pow(elastic, 2.0 / 3.0);
             double root = sqrt(depth);
@@ -146,7 +187,7 @@ int64_t touch(const struct model *model, struct data *data)
             contact->region = at[REGION];
             contact->arm[0] = arm.x, contact->arm[1] = arm.y, contact->arm[2] = arm.z;
         }
-        data->rail[w].patches = found;
+        rail->patches = found;
     }
     return OK;
 }

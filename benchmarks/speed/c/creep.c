@@ -64,13 +64,17 @@ void slip(const struct model *model, struct data *data)
         vec v = get(data->v[i]);
         vec omega = add(add(scale(data->v[i][3], forward), scale(data->v[i][4], axle)), scale(data->v[i][5], down));
         double way = v.x >= 0.0 ? 1.0 : -1.0, per_speed = 1.0 / fmax(sqrt(dot(v, v)), param->creep_speed);
+        vec right, below, ahead = rail_axes(rail, &right, &below);
         vec k = get(frame->rate), advance = get(frame->advance), force = {0, 0, 0}, moment = {0, 0, 0};
         for (int j = 0; j < (int)rail->patches; j++) {
             struct contact *contact = &data->contact[w][j];
             double slope = contact->slope, cosine = 1.0 / sqrt(1.0 + slope * slope), n = contact->normal;
-            vec normal = {0.0, -slope * cosine, cosine}, arm = get(contact->arm);
+            vec arm = get(contact->arm), bent = {0.0, arm.x * rail->lateral_bend, arm.x * rail->vertical_bend};
+            vec normal = sub(scale(cosine, below), scale(slope * cosine, right));
+            normal = sub(normal, scale(dot(normal, bent), ahead));
             double y = data->q[i][1] + arm.y, z = data->q[i][2] + arm.z;
-            vec along = {way, way * (advance.y + k.z * arm.x - k.x * z), way * (advance.z + k.x * y - k.y * arm.x)};
+            vec turned = {0.0, advance.y + k.z * arm.x - k.x * z, advance.z + k.x * y - k.y * arm.x};
+            vec along = scale(way, add(ahead, add(turned, bent)));
             vec across = cross(normal, along);
             vec arm_x = cross(arm, along), arm_t = cross(arm, across);
             double t[3], slope_of[3][3];

@@ -1,0 +1,211 @@
+"""The linear model of a vehicle in its vertical plane: an independent reference for small vertical disturbances.
+
+Written from the vehicle's description, not from the packed model: bodies move along x and z and pitch, wheelsets along
+x and z and spin; springs and dampers as they stand, dampers with series stiffness with their state, contact by its
+stiffness about rest, 1.5 N / p along z, and its damping (theory.md, section 12). Signs of the track frame: z down,
+pitch front up. All quantities are departures from rest on straight level track at constant speed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import StateSpace, lsim
+
+from railcli.model.elements import Bushing
+from railcli.model.vehicle import carried, placed
+
+X, Z, PITCH = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Of one wheel at rest.
+
+    Attributes
+    ----------
+    force, depth : float
+        Normal force [N], penetration along z [m].
+    cosine : float
+        Of the contact angle.
+    creep : float
+        f11 [N].
+    damping : float
+        D of N = k d^1.5 (1 + D d') [s/m].
+    """
+
+    force: float
+    depth: float
+    cosine: float
+    creep: float
+    damping: float
+
+    @property
+    def stiffness(self):
+        """Of the vertical force over the vertical approach [N/m]: 1.5 N / p on a level tread."""
+        return 1.5 * self.force / self.depth * self.cosine
+
+    @property
+    def resistance(self):
+        """Of the vertical force over the vertical rate [N s/m]."""
+        return self.damping * self.force * self.cosine**2
+
+
+@dataclass(frozen=True)
+class VerticalModel:
+    """State space of the vehicle over its vertical track input.
+
+    Inputs: height of the rails under each wheelset (down, both rails alike) [m], then their rates [m/s]. Outputs:
+    change of the vertical force of one wheel of each wheelset [N], then vertical acceleration of every body [m/s^2].
+    """
+
+    space: StateSpace
+    places: np.ndarray  # (n_wheelset,) ahead of the first body [m]
+    speed: float
+
+    def response(self, time, rail):
+        """Outputs (n, n_output) at equal distances of time over rail(s) = (height, slope), from rest at time 0."""
+        s = self.speed * time[:, None] + self.places
+        height, slope = rail(s)
+        _, output, _ = lsim(self.space, np.hstack([height, self.speed * slope]), time)
+        return output
+
+    def transfer(self, frequency):
+        """Outputs per metre of a wave of rail height, complex (n, n_output); phase against that at the first body."""
+        a, b, c, d = self.space.A, self.space.B, self.space.C, self.space.D
+        rows = []
+        for f in np.atleast_1d(frequency):
+            jw = 2j * np.pi * f
+            delay = np.exp(jw * self.places / self.speed)
+            wave = np.concatenate([delay, jw * delay])
+            rows.append(c @ np.linalg.solve(jw * np.eye(a.shape[0]) - a, b @ wave) + d @ wave)
+        return np.array(rows)
+
+
+def vertical_model(vehicle, contacts, speed, hold, gravity):
+    """The linear model.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    contacts : sequence of Contact
+        One wheel of each wheelset, in their order.
+    speed : float
+        [m/s]
+    hold : float
+        Force per speed error on the first body [N s/m].
+    gravity : float
+        [m/s^2]
+
+    Returns
+    -------
+    VerticalModel
+    """
+    n = 3 * len(vehicle.bodies)
+    mass = np.zeros(n)
+    for i, body in enumerate(vehicle.bodies):
+        mass[3 * i : 3 * i + 3] = body.mass, body.mass, body.inertia[1]
+    stiffness, damping = np.zeros((n, n)), np.zeros((n, n))
+    states = []  # of dampers: direction, series stiffness, damping
+    for joint, lower, upper, places in placed(vehicle):
+        turn = np.zeros(n)
+        turn[3 * upper + PITCH], turn[3 * lower + PITCH] = 1.0, -1.0
+        stiffness += joint.total_turn_stiffness[1] * np.outer(turn, turn)
+        for place in places:
+            for direction, k, c, series in _springs(place):
+                stretch = _motion(vehicle, n, upper, place.upper_arm, direction)
+                stretch -= _motion(vehicle, n, lower, place.lower_arm, direction)
+                stiffness += k * np.outer(stretch, stretch)
+                if series and stretch.any():
+                    states.append((stretch, series, c))
+                else:
+                    damping += c * np.outer(stretch, stretch)
+    axes = {upper: joint.axes for joint, _, upper, _ in placed(vehicle)}
+    for place, load in carried(vehicle, gravity):
+        stiffness += load * _tilt(vehicle, n, place, axes[place.upper])
+    damping[X, X] += hold
+    at_rail, from_height, from_rate = [], [], []
+    for i, contact in zip(vehicle.wheelsets, contacts, strict=True):
+        sink, slide = np.zeros(n), np.zeros(n)
+        sink[3 * i + Z] = 1.0
+        slide[3 * i + X], slide[3 * i + PITCH] = 1.0, vehicle.bodies[i].wheel_radius
+        stiffness += 2.0 * contact.stiffness * np.outer(sink, sink)
+        damping += 2.0 * contact.resistance * np.outer(sink, sink)
+        damping += 2.0 * contact.creep / speed * np.outer(slide, slide)
+        downhill = np.zeros(n)
+        downhill[3 * i + X] = 2.0 * contact.force / speed
+        from_height.append(2.0 * contact.stiffness * sink)
+        from_rate.append(2.0 * contact.resistance * sink + downhill)
+        at_rail.append((sink, contact))
+    space = _space(mass, stiffness, damping, states, np.array(from_height), np.array(from_rate), at_rail)
+    first = vehicle.bodies[0].x
+    return VerticalModel(space, np.array([vehicle.bodies[i].x - first for i in vehicle.wheelsets]), speed)
+
+
+def _springs(place):
+    """Direction (x, z), stiffness, damping and series stiffness of each spring of an element."""
+    element = place.element
+    if isinstance(element, Bushing):
+        for axis, direction in ((0, (1.0, 0.0)), (2, (0.0, 1.0))):
+            table = element.spring_tables[axis]
+            yield direction, element.stiffness[axis] + _slope(table), element.damping[axis], 0.0
+        return
+    along = np.subtract(element.upper, element.lower) / element.length
+    damping = element.damping
+    if element.damper_table is not None:
+        damping = _slope(element.damper_table)
+    yield (place.sign[0] * along[0], -along[2]), element.stiffness, damping, element.series_stiffness
+
+
+def _slope(table):
+    """Slope of a table through (0, 0) at 0: the mean of both sides."""
+    if table is None:
+        return 0.0
+    x, y = table.knots()
+    tiny = 1e-6 * np.abs(x).max()
+    return float((np.interp(tiny, x, y) - np.interp(-tiny, x, y)) / (2.0 * tiny))
+
+
+def _motion(vehicle, n, body, arm, direction):
+    """Motion of a point of a body along a direction, as a row over the coordinates; an axle box does not pitch."""
+    row = np.zeros(n)
+    row[3 * body + X], row[3 * body + Z] = direction
+    if not vehicle.bodies[body].is_wheelset:
+        row[3 * body + PITCH] = arm[2] * direction[0] - arm[0] * direction[1]
+    return row
+
+
+def _tilt(vehicle, n, place, axes):
+    """Stiffness per newton carried, from the turning of the spring's axes and ends (theory.md, 12.3)."""
+    ahead = _motion(vehicle, n, place.upper, place.upper_arm, (1.0, 0.0))
+    ahead -= _motion(vehicle, n, place.lower, place.lower_arm, (1.0, 0.0))
+    upper, lower = np.zeros(n), np.zeros(n)
+    upper[3 * place.upper + PITCH] = 1.0
+    if not vehicle.bodies[place.lower].is_wheelset:
+        lower[3 * place.lower + PITCH] = 1.0
+    mean = upper if axes == "upper" else 0.5 * (upper + lower)
+    turned = place.lower_arm[2] * np.outer(lower, lower) - place.upper_arm[2] * np.outer(upper, upper)
+    return turned + np.outer(mean, ahead) + np.outer(ahead, mean)
+
+
+def _space(mass, stiffness, damping, states, from_height, from_rate, at_rail):
+    n, m, wheelsets = mass.size, len(states), len(at_rail)
+    direction = np.array([row for row, _, _ in states]).reshape(m, n)
+    series = np.array([value for _, value, _ in states])
+    rate = series / np.array([value for _, _, value in states]) if m else series
+    stiffness = stiffness + direction.T @ (series[:, None] * direction)
+    a = np.zeros((2 * n + m, 2 * n + m))
+    a[:n, n : 2 * n] = np.eye(n)
+    a[n : 2 * n, :n] = -stiffness / mass[:, None]
+    a[n : 2 * n, n : 2 * n] = -damping / mass[:, None]
+    a[n : 2 * n, 2 * n :] = direction.T * series / mass[:, None]
+    a[2 * n :, :n] = rate[:, None] * direction
+    a[2 * n :, 2 * n :] = -np.diag(rate)
+    b = np.zeros((2 * n + m, 2 * wheelsets))
+    b[n : 2 * n] = np.hstack([from_height.T, from_rate.T]) / mass[:, None]
+    wheel = np.zeros((wheelsets, 2 * n + m))
+    through = np.zeros((wheelsets, 2 * wheelsets))
+    for k, (sink, contact) in enumerate(at_rail):
+        wheel[k, :n], wheel[k, n : 2 * n] = contact.stiffness * sink, contact.resistance * sink
+        through[k, k], through[k, wheelsets + k] = -contact.stiffness, -contact.resistance
+    vertical = n + np.arange(n)[Z::3]
+    return StateSpace(a, b, np.vstack([wheel, a[vertical]]), np.vstack([through, b[vertical]]))
