@@ -5,6 +5,7 @@ import sys
 import click
 
 from railcli import __version__
+from railcli.commands.assess import assess
 from railcli.commands.build_lut import build_lut
 from railcli.commands.conicity import conicity
 from railcli.commands.contact import contact
@@ -79,5 +80,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, run, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, run, assess, rt_bench, validate):
     main.add_command(_command)
