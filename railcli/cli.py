@@ -9,6 +9,7 @@ from railcli.commands.assess import assess
 from railcli.commands.build_lut import build_lut
 from railcli.commands.conicity import conicity
 from railcli.commands.contact import contact
+from railcli.commands.diff import diff
 from railcli.commands.export import export
 from railcli.commands.profile import profile
 from railcli.commands.rt_bench import rt_bench
@@ -81,5 +82,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, run, assess, export, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, run, assess, diff, export, rt_bench, validate):
     main.add_command(_command)

@@ -53,17 +53,26 @@ def columns(results, patterns=()):
     InputError
         A pattern fits nothing.
     """
-    every = [column for channel in results.channels.values() for column in _of_channel(channel)]
+    return columns_of([results], patterns)[0]
+
+
+def columns_of(several, patterns=()):
+    """Columns of each of several results, as `columns`; a pattern need fit one of the results only."""
+    every = [[column for channel in one.channels.values() for column in _of_channel(channel)] for one in several]
     for pattern in patterns:
-        if not any(_fits(column, pattern) for column in every):
-            near = nearest(pattern, list(results.channels))
+        if not any(_fits(column, pattern) for of_one in every for column in of_one):
+            near = nearest(pattern, list(several[0].channels))
             hint = f"did you mean {near!r}?" if near else "`railcli export RESULTS --list` names them"
-            raise InputError(f"channel {pattern!r}", f"{results.folder} holds none of this name; {hint}")
-    return tuple(
-        column
-        for column in every
-        if not patterns or column.name == "time" or any(_fits(column, pattern) for pattern in patterns)
-    )
+            folders = " and ".join(str(one.folder) for one in several)
+            raise InputError(f"channel {pattern!r}", f"no such channel in {folders}; {hint}")
+    return [
+        tuple(
+            column
+            for column in of_one
+            if not patterns or column.name == "time" or any(_fits(column, pattern) for pattern in patterns)
+        )
+        for of_one in every
+    ]
 
 
 def pieces(results, chosen):

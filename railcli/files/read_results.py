@@ -136,6 +136,12 @@ class Results:
             raise InputError(path, f"is no scenario of this version of railcli: {place}: {first['msg']}") from None
 
     @cached_property
+    def settings(self):
+        """The scenario as the file holds it, whatever version of railcli wrote it; empty without the file."""
+        path = self.folder / SCENARIO
+        return _json(path) if path.exists() else {}
+
+    @cached_property
     def summary(self):
         """Contents of the summary; empty when the run broke off before it was written."""
         path = self.folder / SUMMARY
