@@ -12,6 +12,7 @@ from railcli.commands.contact import contact
 from railcli.commands.diff import diff
 from railcli.commands.export import export
 from railcli.commands.profile import profile
+from railcli.commands.report import report
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
 from railcli.commands.validate import validate
@@ -82,5 +83,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, run, assess, diff, export, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, run, assess, report, diff, export, rt_bench, validate):
     main.add_command(_command)

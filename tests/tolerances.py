@@ -190,3 +190,7 @@ BENCH_PLACE = 1e-6  # [m, -] interpolation over cells of 1 mm of a round rail
 BENCH_SPIN_PULL = 1e-3  # of the friction limit: rotation by spin over a wheel of 1:20 leaves no pull but its own share
 PRINTED_FORCES = 6e-3  # angles printed to 0.01 degrees and four digits of forces, on a flange of 61 degrees
 BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 mrad; measured 3.3e-6
+
+# --- Reports ---
+WELCH_POWER = 1e-9  # a sine of whole periods in a segment: the Hann window's weights sum up exactly but for rounding
+SHOWN_DIGITS = 5e-4  # tables of a report show four digits
