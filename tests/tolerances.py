@@ -194,3 +194,4 @@ BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 
 # --- Reports ---
 WELCH_POWER = 1e-9  # a sine of whole periods in a segment: the Hann window's weights sum up exactly but for rounding
 SHOWN_DIGITS = 5e-4  # tables of a report show four digits
+DRAWN_CONTACT = 5e-6  # [m] the picture leaves out yaw: a flank of 60 degrees under 2 mrad, r yaw^2 tan^2 / 2 = 2.8e-6

@@ -121,7 +121,7 @@ def render(several, found, judged, pictures, films, version, date):
     pictures : list of dict
         name, title, caption; file; uri (its content).
     films : list of dict
-        label (of the result), caption, uri.
+        label (of the result), caption, kind, rate (frames per second); file; uris: of the frames, or of the film.
     version, date : str
     """
     notes = [(one.label, note) for one in several for note in _notes(one)]

@@ -185,6 +185,42 @@ def test_assessment_is_that_of_assess(double, recorded, tmp_path):
     assert ("span", {"class": "status fail"}) in page.tags
 
 
+def test_animation_in_the_page(recorded, tmp_path):
+    """A player of the frames, each a picture of its own, and still nothing from outside."""
+    result = run(recorded(), "-o", tmp_path / "out", "--animate", "--frames", 4, "--no-assessment")
+    assert result.exit_code == 0, result.stderr
+    page = Page(tmp_path / "out" / "report.html")
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', page.text, flags=re.S)
+    frames = json.loads(data)
+    assert len(frames) == 4 == len(set(frames)) and frames[0] in page.values("src")
+    sizes = set()
+    for frame in frames:
+        assert frame.startswith("data:image/png;base64,")
+        with Image.open(io.BytesIO(base64.b64decode(frame.partition(",")[2], validate=True))) as image:
+            image.load()
+            sizes.add(image.size)
+    assert len(sizes) == 1
+    assert ("input", "range") in {(tag, attributes.get("type")) for tag, attributes in page.tags}
+    assert not re.search(r"https?:|//\w|url\(|@import", re.sub(r"data:[\w/+]+;base64,[\w+/=]+", "", page.text))
+
+
+def test_animation_as_gif(recorded, tmp_path):
+    result = run(recorded(), "-o", tmp_path / "out", "--film", "gif", "--frames", 4, "--no-assessment")
+    assert result.exit_code == 0, result.stderr
+    with Image.open(tmp_path / "out" / "animation-1.gif") as film:
+        assert film.n_frames == 4
+    sources = Page(tmp_path / "out" / "report.html").values("src")
+    assert any(source.startswith("data:image/gif;base64,") for source in sources)
+
+
+@pytest.mark.skipif(not shutil.which("ffmpeg"), reason="needs ffmpeg")
+def test_animation_as_mp4(recorded, tmp_path):
+    result = run(recorded(), "-o", tmp_path / "out", "--film", "mp4", "--frames", 4, "--no-assessment")
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "out" / "animation-1.mp4").read_bytes()[4:8] == b"ftyp"
+    assert any(source.startswith("data:video/mp4") for source in Page(tmp_path / "out" / "report.html").values("src"))
+
+
 def test_what_cannot_be_judged_is_said(recorded, tmp_path):
     """A scenario of another version and a missing summary: a page all the same, with notes."""
     copy = tmp_path / "other"
@@ -219,6 +255,7 @@ def test_bad_input_is_one_line(recorded, tmp_path):
         ((recorded(), broken), ["timeseries.h5", "run the scenario again"]),
         ((recorded(), "-o", broken), ["exists already"]),
         ((*[recorded()] * 7,), ["at most 6"]),
+        ((recorded(), "--animate", "--wheelset", 5), ["--wheelset", "4 wheelsets"]),
     ]:
         result = run(*arguments, *([] if "-o" in arguments else ["-o", tmp_path / "out"]))
         assert result.exit_code == 2, arguments
