@@ -190,3 +190,19 @@ BENCH_PLACE = 1e-6  # [m, -] interpolation over cells of 1 mm of a round rail
 BENCH_SPIN_PULL = 1e-3  # of the friction limit: rotation by spin over a wheel of 1:20 leaves no pull but its own share
 PRINTED_FORCES = 6e-3  # angles printed to 0.01 degrees and four digits of forces, on a flange of 61 degrees
 BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 mrad; measured 3.3e-6
+
+# --- Assessment ---
+FILTER_GAIN = 1e-6  # in the middle of a long sine, where the ends' transients have died away
+FILTER_EXACT = 1e-10  # rounding of a constant through recursive sections
+SLIDING = 1e-5  # relative: cubic spline through 40 samples a wavelength, error (pi / 40)^4 / 6
+PRINTED_THREE = 6e-4  # of a magnitude printed with three decimals
+WEIGHTED = 1e-9  # the filter works on the spectrum: a whole number of periods leaves rounding only
+WEIGHTED_START = 2e-4  # of the amplitude: the odd reflection at an end is no sine; what is left of it 10 s later
+SPERLING_FACTOR = 1.2e-3  # 4.42 has three digits; it stands for (100 sqrt 2)^0.3 = 4.4172
+BETWEEN_RANKS = 1e-3  # of a percentile of 100,000 quantiles: the outermost 0.15 % are 150 of them
+FREQUENCY = 0.025  # [Hz] grid of the padded spectrum
+FLOOR_SPLINE = 1e-6  # [m/s^2] derivative of a cubic spline at 100 samples a period, (2 pi / 100)^4 / 180 of 1 m/s^2
+BLOCKWISE = 1e-6  # relative: what is left of a filter's start after 10 s; blocks must not be seen
+SIGNAL = 2e-3  # of a figure: samples of a sine lie beside its crests, and percentiles cut 1e-5 of them off
+COARSE_SINE = 6e-3  # 8 Hz recorded at 100 Hz: samples lie up to 2 pi 8 / 200 from the crest, 25 phases in all
+SECTION_ENDS = 8e-3  # of an rms: a section of 10.2 periods ends within one, 1 / (2 omega T) = 1 / 128

@@ -92,7 +92,7 @@ class Forces:
         self.outwards = OUTWARDS * y
         self.ratio = np.full(q.shape, np.nan)
         np.divide(self.outwards, self.q, out=self.ratio, where=self.q > LOADED * static)
-        self.centres = np.arange(start, end + 1e-9, STEP)
+        self.centres = STEP * np.arange(np.ceil(start / STEP), end / STEP)
         self.sum_mean = indices.sliding_mean(self.s, y.sum(axis=1), WINDOW, self.centres)
         self.ratio_mean = np.stack(
             [indices.sliding_mean(self.s, ratio, WINDOW, self.centres) for ratio in self.ratio.T], axis=1
@@ -102,8 +102,9 @@ class Forces:
         """Add sum Y, the larger Y/Q of both wheels, and Q to the traces."""
         traces["sum_Y"][self.name].add(self.centres, self.sum_mean)
         traces["Y_Q"][self.name].add(self.centres, np.fmax(*self.ratio_mean.T))
+        inside = slice(*np.searchsorted(self.s, [self.start, self.end]))
         for wheel, q in zip(self.wheels, self.q.T, strict=True):
-            traces["Q_max"][wheel].add(self.s, q)
+            traces["Q_max"][wheel].add(self.s[inside], q[inside])
 
     def judge(self, tally, number, section, nadal):
         """Offer the figures of one section."""
