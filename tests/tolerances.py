@@ -206,3 +206,5 @@ BLOCKWISE = 1e-6  # relative: what is left of a filter's start after 10 s; block
 SIGNAL = 2e-3  # of a figure: samples of a sine lie beside its crests, and percentiles cut 1e-5 of them off
 COARSE_SINE = 6e-3  # 8 Hz recorded at 100 Hz: samples lie up to 2 pi 8 / 200 from the crest, 25 phases in all
 SECTION_ENDS = 8e-3  # of an rms: a section of 10.2 periods ends within one, 1 / (2 omega T) = 1 / 128
+STEADY_END = 2e-3  # median of a section against the mean of the last 50 m, where the motion has settled to 1e-3
+ONE_ROW = 5e-3  # of a mean over 350 rows: sections weigh by length, rows of the file do not
