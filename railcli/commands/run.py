@@ -118,14 +118,14 @@ def _run(case, with_figures, with_assessment, output, overwrite, quiet):
         record["folder"] = folder
         lines = report.report(case, outcome, stretch, steady)
         if with_assessment and outcome.rows:
-            record["assessment"], judged = _assessment(folder)
+            record["assessment"], judged = _assessment(folder, outcome.fault)
             lines += ["", *judged]
         write_json(folder / "summary.json", record)
     written = f"Written to {folder}: {', '.join(files)}, summary.json"
     return record, [*lines, "", written], outcome.fault
 
 
-def _assessment(folder):
+def _assessment(folder, fault):
     """Of the results as they are written: what summary.json holds of it, and lines for the terminal."""
     from railcli.analysis.assess import assess
     from railcli.errors import InputError
@@ -134,7 +134,7 @@ def _assessment(folder):
 
     try:
         with Results(folder) as results:
-            outcome = assess(results)
+            outcome = assess(results, fault=fault)
     except InputError as error:
         return {"error": str(error)}, [f"No assessment: {error}"]
     return report.for_summary(outcome), report.short(outcome, f"railcli assess {folder}")

@@ -107,7 +107,15 @@ def wear_table(assessment):
 def verdict(assessment):
     """One line that counts."""
     counts = [f"{assessment.count(status)} {status}" for status in ("pass", "warn", "fail", "not formed")]
-    return f"{', '.join(counts)}; {assessment.count('no limit')} without a limit"
+    broken = "the run broke off; " if assessment.fault else ""
+    return f"{broken}{', '.join(counts)}; {assessment.count('no limit')} without a limit"
+
+
+def _warnings(assessment):
+    if not assessment.fault:
+        return assessment.warnings
+    text = f"The run broke off: {assessment.fault}. Figures end where the last wheelset was then."
+    return [text, *assessment.warnings]
 
 
 def report(name, scenario, assessment):
@@ -115,7 +123,7 @@ def report(name, scenario, assessment):
     lines = [*head(name, scenario, assessment), "", *table(assessment)]
     if assessment.wear:
         lines += ["", *wear_table(assessment)]
-    lines += ["", *(f"Warning: {text}" for text in assessment.warnings), LEGEND, f"Verdict: {verdict(assessment)}"]
+    lines += ["", *(f"Warning: {text}" for text in _warnings(assessment)), LEGEND, f"Verdict: {verdict(assessment)}"]
     return lines
 
 
@@ -171,6 +179,7 @@ def as_json(assessment):
             "standard_consulted": not figure.mark,
         }
     return {
+        "finished": not assessment.fault,
         "conditions": assessment.conditions,
         "verdict": {status: assessment.count(status) for status in ("pass", "warn", "fail", "not formed", "no limit")},
         "figures": figures,
@@ -178,7 +187,7 @@ def as_json(assessment):
             wheel: {part: {"mean": mean, "largest_section": largest} for part, (mean, largest) in parts.items()}
             for wheel, parts in assessment.wear.items()
         },
-        "warnings": assessment.warnings,
+        "warnings": _warnings(assessment),
     }
 
 
@@ -196,7 +205,7 @@ def for_summary(assessment):
             }
             for value in assessment.values
         },
-        "warnings": assessment.warnings,
+        "warnings": _warnings(assessment),
     }
 
 

@@ -123,8 +123,21 @@ def test_own_limits_and_check(finished, tmp_path):
     result = railcli(*arguments, "-o", tmp_path / "one")
     assert result.exit_code == 0 and "1 fail" in result.stdout and "without the first 4.5 s" in result.stdout
     result = railcli(*arguments, "-o", tmp_path / "two", "--check")
-    assert result.exit_code == 4 and result.stderr.splitlines() == ["Error: over the limits: before"]
+    assert result.exit_code == 4 and result.stderr.splitlines() == ["Error: over the limits, or broken off: before"]
     assert (tmp_path / "two" / "assessment.json").is_file()
+
+
+def test_a_run_that_broke_off_says_so(finished, tmp_path):
+    folder, _ = finished
+    shutil.copytree(folder, tmp_path / "one")
+    summary = json.loads((tmp_path / "one" / "summary.json").read_text())
+    (tmp_path / "one" / "summary.json").write_text(json.dumps({**summary, "fault": "wheel W1 left derailed"}))
+    shutil.copytree(folder, tmp_path / "two")
+    (tmp_path / "two" / "summary.json").unlink()
+    for name, words in (("one", "wheel W1 left derailed"), ("two", "interrupted")):
+        result = railcli("assess", tmp_path / name, "-q", "--no-figures", "-o", tmp_path / f"{name}-out", "--check")
+        assert result.exit_code == 4 and "Verdict: the run broke off; " in result.stdout
+        assert words in result.stdout and "broken off" in result.stderr
 
 
 @pytest.mark.parametrize(
