@@ -34,7 +34,7 @@ def assess(results, limits=None, fault="", progress=None):
     """
     limits = limits or Limits()
     run = Run(results, limits)
-    start, end = run.stretch()
+    start, end = run.stretch(broken=bool(fault))
     contact, vehicle = run.scenario.contact, run.scenario.vehicle
     static = static_wheel_loads(vehicle, run.scenario.run.gravity, contact.tape_circle)
     friction = contact.friction if limits.friction is None else limits.friction

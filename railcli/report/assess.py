@@ -114,7 +114,7 @@ def verdict(assessment):
 def _warnings(assessment):
     if not assessment.fault:
         return assessment.warnings
-    text = f"The run broke off: {assessment.fault}. Figures end where the last wheelset was then."
+    text = f"The run broke off: {assessment.fault}. Figures go as far as each wheelset came."
     return [text, *assessment.warnings]
 
 

@@ -272,6 +272,16 @@ def test_blocks_are_not_seen(monkeypatch):
     np.testing.assert_allclose(other.high, trace.high, rtol=tol.BLOCKWISE)
 
 
+def test_a_broken_run_counts_as_far_as_each_wheelset_came():
+    """The front wheelset's last 10 m, where no other one has been, enter only then."""
+    results = Recorded()
+    results.arrays["wheels/W1_right/Y"][-50:] = 60e3
+    whole, broken = ({v.key: v for v in assess(results, fault=fault).values} for fault in ("", "derailed"))
+    assert whole["Y_Q"].value < 0.2
+    assert broken["Y_Q"].value > 0.9 and broken["Y_Q"].place.startswith("W1 right")
+    assert not assess(results, fault="derailed").accepted
+
+
 def test_what_was_not_recorded_is_named():
     results = Recorded()
     del results.arrays["wheels/W3_left/Q"]

@@ -112,6 +112,8 @@ class Forces:
         edges = section.start + 0.5 * WINDOW - 1e-9, section.end - 0.5 * WINDOW + 1e-9
         windows = slice(*np.searchsorted(self.centres, edges))  # those that lie wholly inside
         rows = slice(*np.searchsorted(self.s, [section.start, section.end]))
+        if np.isnan(self.sum_mean[windows]).all():
+            return  # this wheelset did not come so far
         total = np.abs(indices.extremes(self.sum_mean[windows])).max()
         bound = indices.prudhomme(self.static.sum(), limits.sum_y_factor)
         tally.offer("sum_Y", total, bound, f"{self.name}, {section.place}", section=number)
@@ -153,6 +155,8 @@ class Forces:
         half = 0.5 * RMS_WINDOW
         centres = np.arange(self.start + half, self.end - half + 1e-9, RMS_STEP)
         rms = indices.sliding_rms(self.s, around, RMS_WINDOW, centres)
+        if np.isnan(rms).all():
+            return
         worst = int(np.nanargmax(rms))
         bound = self.limits.stability_share * indices.prudhomme(self.static.sum(), self.limits.sum_y_factor)
         place = f"{self.name}, {centres[worst] - half:.0f} to {centres[worst] + half:.0f} m"

@@ -112,6 +112,8 @@ def _assess_sections(run, outcome, tally, body, points):
 
 
 def _judge(tally, limits, point, where, section, number, ride, slow):
+    if not ride.size:
+        return  # this point did not come so far
     where = f"{where}, {section.place}"
     for axis, signal in zip("yz", ride.T, strict=True):
         largest = np.abs(indices.extremes(signal)).max()
