@@ -16,13 +16,15 @@ from .assessment.values import Assessment, Tally
 from .assessment.wear import assess_wear
 
 
-def assess(results, limits=None, progress=None):
+def assess(results, limits=None, fault="", progress=None):
     """Form every figure that a run gives, and judge it.
 
     Parameters
     ----------
     results : files.read_results.Results
     limits : Limits, optional
+    fault : str
+        What broke the run off; empty when it reached its end.
     progress : callable, optional
         Called with the share that is done.
 
@@ -32,11 +34,11 @@ def assess(results, limits=None, progress=None):
     """
     limits = limits or Limits()
     run = Run(results, limits)
-    start, end = run.stretch()
+    start, end = run.stretch(broken=bool(fault))
     contact, vehicle = run.scenario.contact, run.scenario.vehicle
     static = static_wheel_loads(vehicle, run.scenario.run.gravity, contact.tape_circle)
     friction = contact.friction if limits.friction is None else limits.friction
-    outcome = Assessment()
+    outcome = Assessment(fault=fault)
     outcome.sections = sections(run.scenario.track, start, end, run.speed, limits.section_length)
     outcome.conditions = {
         "from_m": start,

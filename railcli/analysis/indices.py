@@ -14,6 +14,7 @@ SETTLED = 10.0  # of signal beyond what is evaluated, in which filters with 0.4 
 HUNTING = (1.0, 12.0)  # where the dominant frequency of sum Y is looked for [Hz]
 SPECTRUM_SEGMENT = 5.0  # [s]
 FINE = 8  # zero padding of the spectrum: steps of 0.025 Hz
+ROUNDING = 1e-24  # spectral density over mean square of a constant that is not quite one [1/Hz]
 
 BAND = (0.4, 100.0, 1.0 / math.sqrt(2.0))  # Hz, Hz, quality of both
 WEIGHTS = {  # EN 12299: f3, f4 [Hz], Q2, step (f5 [Hz], Q3, f6 [Hz], Q4) or None, K
@@ -75,7 +76,9 @@ def sliding_mean(s, x, window, centres):
         Middles of the windows [m]; NaN is returned where a window reaches beyond the samples.
     """
     bad = np.isnan(x)
-    integral = CubicSpline(s, np.where(bad, 0.0, x)).antiderivative()
+    if bad.all():
+        return np.full(np.shape(centres), np.nan)
+    integral = CubicSpline(s, np.interp(s, s[~bad], x[~bad]) if bad.any() else x).antiderivative()
     left, right = centres - 0.5 * window, centres + 0.5 * window
     result = (integral(right) - integral(left)) / window
     outside = (left < s[0] - 1e-9) | (right > s[-1] + 1e-9)
@@ -199,10 +202,15 @@ def dominant_frequency(x, rate, band=HUNTING):
     """
     size = min(len(x), round(SPECTRUM_SEGMENT * rate))
     frequency, density = signal.welch(x, rate, nperseg=size, nfft=FINE * size, detrend="linear")
-    inside = np.flatnonzero((frequency >= band[0]) & (frequency <= band[1]))
-    peak = inside[np.argmax(density[inside])] if inside.size else 0
-    at_an_end = not inside.size or peak in (inside[0], inside[-1])
-    return math.nan if at_an_end else float(frequency[peak])
+    coarse = density[::FINE]  # without the ripples that padding adds
+    inside = np.flatnonzero((frequency[::FINE] >= band[0]) & (frequency[::FINE] <= band[1]))
+    if not inside.size or coarse[inside].max() < ROUNDING * np.square(x).mean():
+        return math.nan
+    peak = inside[np.argmax(coarse[inside])]
+    if coarse[peak] <= max(coarse[peak - 1], coarse[min(peak + 1, coarse.size - 1)]):
+        return math.nan
+    around = slice((peak - 1) * FINE, (peak + 1) * FINE + 1)
+    return float(frequency[around][np.argmax(density[around])])
 
 
 def floor_acceleration(acceleration, rotation, omega, time, arms, gravity):

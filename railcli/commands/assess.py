@@ -10,7 +10,7 @@ from .options import results_options
 @click.command(short_help="Judge results: forces, ride, comfort, wear, stability.")
 @click.argument("results", nargs=-1, required=True, metavar="RESULTS...", type=click.Path(path_type=Path))
 @click.option("--limits", type=click.Path(path_type=Path), metavar="FILE", help="TOML file with other limits.")
-@click.option("--check", is_flag=True, help="End with exit code 4 when a figure is over its limit.")
+@click.option("--check", is_flag=True, help="End with exit code 4 when a figure fails or a run broke off.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @results_options
 def assess(results, limits, check, no_figures, output_format, output, overwrite, quiet):
@@ -40,7 +40,7 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
         for name, path in zip(names, results, strict=True):
             with Results(path) as source, Progress(f"Assess {name}", 100, "%", quiet) as progress:
                 scenario = source.scenario
-                outcome = judge(source, bounds, lambda share, to=progress: to.update(round(100 * share)))
+                outcome = judge(source, bounds, source.fault, lambda share, to=progress: to.update(round(100 * share)))
                 record = {
                     "results": source.folder,
                     "scenario": scenario.name,
@@ -60,11 +60,11 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
         lines += [*report.side_by_side(names, judged), ""]
     lines.append(f"Written to {folder}")
     click.echo(json_text({"results": records}) if output_format == "json" else "\n".join(lines))
-    failed = [name for name, outcome in zip(names, judged, strict=True) if outcome.count("fail")]
+    failed = [name for name, outcome in zip(names, judged, strict=True) if not outcome.accepted]
     if check and failed:
         from railcli.errors import CheckError
 
-        raise CheckError(f"over the limits: {', '.join(failed)}")
+        raise CheckError(f"over the limits, or broken off: {', '.join(failed)}")
 
 
 def _names(results):

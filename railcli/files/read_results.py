@@ -148,6 +148,11 @@ class Results:
         return _json(path) if path.exists() else {}
 
     @property
+    def fault(self):
+        """What broke the run off; empty when it reached its end."""
+        return self.summary.get("fault", "") if self.summary else "it was interrupted before its summary was written"
+
+    @property
     def provenance(self):
         """Versions, digests, machine and date, as the summary records them; empty without a summary."""
         return self.summary.get("provenance", {})

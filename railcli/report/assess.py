@@ -21,6 +21,7 @@ PANELS = (  # figure, label of the axis, both signs of the limit
     ("ay_max", "lateral acc.\n[m/s$^2$], 0.4-10 Hz", True),
     ("az_max", "vertical acc.\n[m/s$^2$], 0.4-10 Hz", True),
 )
+FAR = 0.2  # share of a limit below which the limit is told, not drawn
 LEGEND = (
     f"{NOT_CONSULTED}: processing and limit from common knowledge of the field and secondary sources; the standard "
     "itself was not consulted (docs/assessment.md)."
@@ -106,7 +107,15 @@ def wear_table(assessment):
 def verdict(assessment):
     """One line that counts."""
     counts = [f"{assessment.count(status)} {status}" for status in ("pass", "warn", "fail", "not formed")]
-    return f"{', '.join(counts)}; {assessment.count('no limit')} without a limit"
+    broken = "the run broke off; " if assessment.fault else ""
+    return f"{broken}{', '.join(counts)}; {assessment.count('no limit')} without a limit"
+
+
+def _warnings(assessment):
+    if not assessment.fault:
+        return assessment.warnings
+    text = f"The run broke off: {assessment.fault}. Figures go as far as each wheelset came."
+    return [text, *assessment.warnings]
 
 
 def report(name, scenario, assessment):
@@ -114,7 +123,7 @@ def report(name, scenario, assessment):
     lines = [*head(name, scenario, assessment), "", *table(assessment)]
     if assessment.wear:
         lines += ["", *wear_table(assessment)]
-    lines += ["", *(f"Warning: {text}" for text in assessment.warnings), LEGEND, f"Verdict: {verdict(assessment)}"]
+    lines += ["", *(f"Warning: {text}" for text in _warnings(assessment)), LEGEND, f"Verdict: {verdict(assessment)}"]
     return lines
 
 
@@ -170,6 +179,7 @@ def as_json(assessment):
             "standard_consulted": not figure.mark,
         }
     return {
+        "finished": not assessment.fault,
         "conditions": assessment.conditions,
         "verdict": {status: assessment.count(status) for status in ("pass", "warn", "fail", "not formed", "no limit")},
         "figures": figures,
@@ -177,7 +187,7 @@ def as_json(assessment):
             wheel: {part: {"mean": mean, "largest_section": largest} for part, (mean, largest) in parts.items()}
             for wheel, parts in assessment.wear.items()
         },
-        "warnings": assessment.warnings,
+        "warnings": _warnings(assessment),
     }
 
 
@@ -195,7 +205,7 @@ def for_summary(assessment):
             }
             for value in assessment.values
         },
-        "warnings": assessment.warnings,
+        "warnings": _warnings(assessment),
     }
 
 
@@ -241,12 +251,17 @@ def _draw(canvas, name, scenario, assessment, panels):
                 **style,
             )
         if limit := assessment.bounds.get(key):
-            for sign in (1.0, -1.0) if both else (1.0,):
-                axis.axhline(sign * factor * limit, color=VERMILION, linestyle="--", linewidth=1.0)
+            largest = max(np.nanmax(np.abs([trace.low, trace.high]), initial=0.0) for trace in lines.values())
+            if largest < FAR * limit:
+                text = f"limit {factor * limit:.3g}: beyond the axis"
+                axis.text(0.01, 0.95, text, transform=axis.transAxes, fontsize=8, color=VERMILION, va="top")
+            else:
+                for sign in (1.0, -1.0) if both else (1.0,):
+                    axis.axhline(sign * factor * limit, color=VERMILION, linestyle="--", linewidth=1.0)
         axis.set_ylabel(label)
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     track_strip(strip, axes, scenario, assessment.conditions["to_m"])
-    strip.set_title(f"{name}, {scenario.run.speed:g} m/s; dashed: limits")
+    strip.set_title(f"{name}, {scenario.run.speed:g} m/s; dashed: limits, thin: sections")
     for section in assessment.sections[:60]:
         for axis in axes:
             axis.axvline(section.start, color=GREY, linewidth=0.4)

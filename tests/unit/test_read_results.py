@@ -45,7 +45,7 @@ def test_what_was_written_is_read(folder, wagon):
             assert np.array_equal(results.read("wheels/W2_left/Y"), rows.rail["y"][:, 3])
             assert np.array_equal(results.read("bodies/bogie 1/rotation", 5, 9), rows.q[5:9, 1, 3:])
             assert results.scenario == load("curve-300")
-            assert results.provenance == {"railcli": "0.0"}
+            assert results.provenance == {"railcli": "0.0"} and results.fault == ""
 
 
 def test_pieces_join_to_the_whole(folder):
@@ -74,6 +74,7 @@ def test_a_run_that_broke_off_has_no_summary(folder):
     (path / "summary.json").unlink()
     with Results(path) as results:
         assert results.summary == {} and results.provenance == {}
+        assert "interrupted" in results.fault
 
 
 def cut(path):

@@ -92,7 +92,7 @@ class Forces:
         self.outwards = OUTWARDS * y
         self.ratio = np.full(q.shape, np.nan)
         np.divide(self.outwards, self.q, out=self.ratio, where=self.q > LOADED * static)
-        self.centres = np.arange(start, end + 1e-9, STEP)
+        self.centres = STEP * np.arange(np.ceil(start / STEP), end / STEP)
         self.sum_mean = indices.sliding_mean(self.s, y.sum(axis=1), WINDOW, self.centres)
         self.ratio_mean = np.stack(
             [indices.sliding_mean(self.s, ratio, WINDOW, self.centres) for ratio in self.ratio.T], axis=1
@@ -102,8 +102,9 @@ class Forces:
         """Add sum Y, the larger Y/Q of both wheels, and Q to the traces."""
         traces["sum_Y"][self.name].add(self.centres, self.sum_mean)
         traces["Y_Q"][self.name].add(self.centres, np.fmax(*self.ratio_mean.T))
+        inside = slice(*np.searchsorted(self.s, [self.start, self.end]))
         for wheel, q in zip(self.wheels, self.q.T, strict=True):
-            traces["Q_max"][wheel].add(self.s, q)
+            traces["Q_max"][wheel].add(self.s[inside], q[inside])
 
     def judge(self, tally, number, section, nadal):
         """Offer the figures of one section."""
@@ -111,6 +112,8 @@ class Forces:
         edges = section.start + 0.5 * WINDOW - 1e-9, section.end - 0.5 * WINDOW + 1e-9
         windows = slice(*np.searchsorted(self.centres, edges))  # those that lie wholly inside
         rows = slice(*np.searchsorted(self.s, [section.start, section.end]))
+        if np.isnan(self.sum_mean[windows]).all():
+            return  # this wheelset did not come so far
         total = np.abs(indices.extremes(self.sum_mean[windows])).max()
         bound = indices.prudhomme(self.static.sum(), limits.sum_y_factor)
         tally.offer("sum_Y", total, bound, f"{self.name}, {section.place}", section=number)
@@ -152,6 +155,8 @@ class Forces:
         half = 0.5 * RMS_WINDOW
         centres = np.arange(self.start + half, self.end - half + 1e-9, RMS_STEP)
         rms = indices.sliding_rms(self.s, around, RMS_WINDOW, centres)
+        if np.isnan(rms).all():
+            return
         worst = int(np.nanargmax(rms))
         bound = self.limits.stability_share * indices.prudhomme(self.static.sum(), self.limits.sum_y_factor)
         place = f"{self.name}, {centres[worst] - half:.0f} to {centres[worst] + half:.0f} m"

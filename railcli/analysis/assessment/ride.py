@@ -100,9 +100,10 @@ def _assess_sections(run, outcome, tally, body, points):
             ride = indices.filtered(value[:, 1:], run.rate, LOW, HIGH)
             slow = indices.filtered(value[:, 1], run.rate, high=QUASI_STATIC)
             place = s + point.arm[0]
+            inside = slice(*np.searchsorted(place, [start, end]))
             for axis, column in zip("yz", ride.T, strict=True):
                 if point.kind == "support":
-                    traces[axis][f"{body},\n{point.name}"].add(place, column)
+                    traces[axis][f"{body},\n{point.name}"].add(place[inside], column[inside])
             for number in group:
                 rows = slice(*np.searchsorted(place, [sections[number].start, sections[number].end]))
                 _judge(
@@ -111,6 +112,8 @@ def _assess_sections(run, outcome, tally, body, points):
 
 
 def _judge(tally, limits, point, where, section, number, ride, slow):
+    if not ride.size:
+        return  # this point did not come so far
     where = f"{where}, {section.place}"
     for axis, signal in zip("yz", ride.T, strict=True):
         largest = np.abs(indices.extremes(signal)).max()

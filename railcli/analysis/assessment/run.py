@@ -49,13 +49,12 @@ class Run:
         """The first of the channels that was not recorded, or None."""
         return next((name for name in names if name not in self.results.channels), None)
 
-    def stretch(self):
-        """Arc lengths between which every wheelset ran after the run-in [m]."""
+    def stretch(self, broken=False):
+        """Arc lengths between which every wheelset ran after the run-in; of a broken run, as far as any came [m]."""
         if self.first_row >= self.results.rows:
             return 0.0, 0.0
-        return float(self._wheelset_places(self.first_row).max()), float(
-            self._wheelset_places(self.results.rows - 1).min()
-        )
+        first, last = (self._wheelset_places(row) for row in (self.first_row, self.results.rows - 1))
+        return float(first.max()), float(last.max() if broken else last.min())
 
     def rows(self, start, end, margin):
         """First row and the one behind the last that hold a stretch for every wheelset, with a margin [m]."""

@@ -85,6 +85,8 @@ class Assessment:
     conditions : dict of str to value
         What was evaluated, and how.
     warnings : list of str
+    fault : str
+        What broke the run off; empty when it reached its end.
     """
 
     values: list = field(default_factory=list)
@@ -95,6 +97,12 @@ class Assessment:
     bounds: dict = field(default_factory=dict)
     conditions: dict = field(default_factory=dict)
     warnings: list = field(default_factory=list)
+    fault: str = ""
+
+    @property
+    def accepted(self):
+        """Nothing failed, and the run reached its end."""
+        return not self.fault and not self.count("fail")
 
     def count(self, status):
         """How many figures have a status."""

@@ -26,6 +26,7 @@ def assess_wear(run, outcome, tally):
             s = run.results.read(f"bodies/{run.results.wheelsets[w // 2]}/position", *rows)[:, 0]
             *state, region = (run.results.read(f"wheels/{wheel}/contact/{name}", *rows) for name in CHANNELS)
             number = indices.t_gamma(*state)
+            region = np.rint(region)  # between the nodes of a contact table it is interpolated
             by_part = {name: np.where(region == part, number, 0.0).sum(axis=1) for part, name in PARTS.items()}
             for k in group:
                 inside = slice(*np.searchsorted(s, [sections[k].start, sections[k].end]))
