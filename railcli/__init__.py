@@ -1,3 +1,37 @@
 """railcli: three-dimensional railway vehicle dynamics in real time, open and checkable."""
 
 __version__ = "0.1.0"
+
+
+def open_results(path, *channels):
+    """Time series of a results folder as a pandas DataFrame.
+
+    Parameters
+    ----------
+    path : path-like
+        Folder that `railcli run` wrote, or the file of time series in it.
+    *channels : str
+        Globs of the channels to read, such as ``"wheels/*/Q"``; all without any.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each recorded instant, its index the time [s]. Columns are named by channel, component and unit, such
+        as ``wheels/W1_right/Q [N]`` and ``bodies/car body/position/y [m]``; SI, in track axes: x forward, y to the
+        right, z down; forces of a wheel act on its rail.
+
+    Raises
+    ------
+    railcli.errors.InputError
+        There is no result, it is damaged, or holds no such channel.
+
+    Examples
+    --------
+    >>> frame = railcli.open_results("results", "wheels/*/Q")  # doctest: +SKIP
+    >>> frame.plot()  # doctest: +SKIP
+    """
+    from railcli.files.columns import columns, data_frame
+    from railcli.files.read_results import Results
+
+    with Results(path) as results:
+        return data_frame(results, columns(results, channels))

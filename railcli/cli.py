@@ -5,12 +5,16 @@ import sys
 import click
 
 from railcli import __version__
+from railcli.commands.assess import assess
 from railcli.commands.build_lut import build_lut
 from railcli.commands.conicity import conicity
 from railcli.commands.contact import contact
 from railcli.commands.critical_speed import critical_speed
+from railcli.commands.diff import diff
+from railcli.commands.export import export
 from railcli.commands.modes import modes
 from railcli.commands.profile import profile
+from railcli.commands.report import report
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
 from railcli.commands.track import track
@@ -82,5 +86,8 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, track, run, modes, critical_speed, rt_bench, validate):
+for _command in (
+    profile, build_lut, contact, conicity, track, run, assess, report, diff, export, modes, critical_speed, rt_bench,
+    validate,
+):  # fmt: skip
     main.add_command(_command)

@@ -61,3 +61,30 @@ def wagon(table):
     import scenes
 
     return scenes.wagon(table)
+
+
+@pytest.fixture(scope="session")
+def recorded(table, tmp_path_factory):
+    """Function that runs a short curve at a friction and an interval [ms], and gives its results folder."""
+    import scenes
+    from click.testing import CliRunner
+
+    from railcli.cli import main
+    from railcli.files import tables
+
+    place = tmp_path_factory.mktemp("recorded")
+    tables.save(table, place / "table.h5")
+    done = {}
+
+    def folder(friction=0.3, interval=10.0):
+        if (friction, interval) not in done:
+            text = scenes.SHORT_CURVE.format(friction=friction, interval=interval, table=place / "table.h5")
+            name = f"curve-{friction:g}-{interval:g}"
+            (place / f"{name}.toml").write_text(text)
+            arguments = ["run", "scenario", str(place / f"{name}.toml"), "-o", str(place / name), "-q", "--no-figures"]
+            result = CliRunner().invoke(main, arguments)
+            assert result.exit_code == 0, result.stderr
+            done[friction, interval] = place / name
+        return done[friction, interval]
+
+    return folder

@@ -415,3 +415,15 @@ def pressures(overlap, hx, hy, young, poisson):
             found[k] = pressure
             return found.reshape(overlap.shape)
         touches[k[pressure < 0.0]] = False
+
+
+def low_gain(frequency, corner, rate=100.0):
+    """Both runs of the bilinear Butterworth filter: 1 / (1 + (sqrt 2 - 1) (w / wc)^4), w = tan(pi f / rate)."""
+    ratio = np.tan(np.pi * frequency / rate) / np.tan(np.pi * corner / rate)
+    return 1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio**4)
+
+
+def high_gain(frequency, corner, rate=100.0):
+    """Likewise of the high-pass."""
+    ratio = np.tan(np.pi * corner / rate) / np.tan(np.pi * frequency / rate)
+    return 1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio**4)

@@ -42,6 +42,29 @@ SMOOTH = Track(  # without the kinks that the ends of a linear cant ramp make
     )
 )
 
+SHORT_CURVE = """
+title = "A short <curve> & its end"
+[run]
+speed_m_per_s = 20
+average_over_m = 20
+output_interval_ms = {interval}
+[contact]
+table = "{table}"
+friction = {friction}
+[[track]]
+kind = "straight"
+length_m = 10
+[[track]]
+kind = "transition"
+length_m = 40
+[[track]]
+kind = "curve"
+length_m = 40
+radius_m = 600
+hand = "left"
+cant_mm = 60
+"""
+
 
 def wagon(table, case="curve-1200-45", **groups):
     """The Manchester wagon in one of its cases on a given table; groups as `Scenario.varied`."""

@@ -19,12 +19,15 @@ def run():
 @click.option("--friction", type=float, metavar="NUMBER", help="Another friction  [default: the scenario's]")
 @click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's]")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@click.option("--no-assessment", is_flag=True, help="Leave the assessment out.")
 @results_options
-def scenario(scenario, only_list, speed, friction, step, no_figures, output_format, output, overwrite, quiet):
+def scenario(
+    scenario, only_list, speed, friction, step, no_figures, no_assessment, output_format, output, overwrite, quiet
+):
     """Run a scenario: a built-in one or a TOML file; without it, the 1200 m curve at 45 m/s.
 
     Writes time series (HDF5), the main channels (CSV), summary.json, scenario.json and figures, and prints the steady
-    values of the wheelsets over the last metres.
+    values of the wheelsets over the last metres and a short assessment (`railcli assess` gives the whole one).
 
     \b
     Examples:
@@ -45,7 +48,7 @@ def scenario(scenario, only_list, speed, friction, step, no_figures, output_form
     for key, (group, value) in changes.items():
         if value is not None:
             case = varied(case, group, key, value)
-    record, lines, fault = _run(case, not no_figures, output, overwrite, quiet)
+    record, lines, fault = _run(case, not no_figures, not no_assessment, output, overwrite, quiet)
     if output_format == "json":
         from railcli.files.output import json_text
 
@@ -58,7 +61,7 @@ def scenario(scenario, only_list, speed, friction, step, no_figures, output_form
         raise SimulationError(f"{case.name}: {fault}; what was computed is in {record['folder']}")
 
 
-def _run(case, with_figures, output, overwrite, quiet):
+def _run(case, with_figures, with_assessment, output, overwrite, quiet):
     from railcli.analysis import steady_values
     from railcli.analysis.simulate import SteadyWindow, simulate
     from railcli.analysis.warm import warm
@@ -114,6 +117,25 @@ def _run(case, with_figures, output, overwrite, quiet):
                 files += report.figures(case, main, folder)
         record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
         record["folder"] = folder
+        lines = report.report(case, outcome, stretch, steady)
+        if with_assessment and outcome.rows:
+            record["assessment"], judged = _assessment(folder, outcome.fault)
+            lines += ["", *judged]
         write_json(folder / "summary.json", record)
     written = f"Written to {folder}: {', '.join(files)}, summary.json"
-    return record, [*report.report(case, outcome, stretch, steady), "", written], outcome.fault
+    return record, [*lines, "", written], outcome.fault
+
+
+def _assessment(folder, fault):
+    """Of the results as they are written: what summary.json holds of it, and lines for the terminal."""
+    from railcli.analysis.assess import assess
+    from railcli.errors import InputError
+    from railcli.files.read_results import Results
+    from railcli.report import assess as report
+
+    try:
+        with Results(folder) as results:
+            outcome = assess(results, fault=fault)
+    except InputError as error:
+        return {"error": str(error)}, [f"No assessment: {error}"]
+    return report.for_summary(outcome), report.short(outcome, f"railcli assess {folder}")

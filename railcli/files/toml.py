@@ -30,6 +30,8 @@ UNITS = {
     "km": Unit("m", times=1e3, symbol="km"),
     "s": Unit("s", symbol="s"),
     "ms": Unit("s", over=1e3, symbol="ms"),
+    "rad": Unit("rad", symbol="rad"),
+    "deg": Unit("rad", times=math.pi, over=180.0, symbol="deg"),
     "kg": Unit("kg", symbol="kg"),
     "t": Unit("kg", times=1e3, symbol="t"),
     "kg_m2": Unit("kg_m2", symbol="kg m^2"),

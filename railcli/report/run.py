@@ -145,13 +145,13 @@ def _panels(figure, painter, scenario, main):
     strip, *axes = figure.subplots(3, 1, sharex=True, height_ratios=(0.5, 2.0, 2.0))
     painter(axes, main)
     end = main.distance[-1] if main.distance.size else scenario.distance
-    _track(strip, axes, scenario, end)
+    track_strip(strip, axes, scenario, end)
     axes[-1].set_xlabel("arc length of the first body [m]")
     for axis in axes:
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def _track(strip, axes, scenario, end):
+def track_strip(strip, axes, scenario, end):
     """Curvature over the distance with the sections named, and the same sections shaded in the other axes."""
     pieces = pack(scenario.track)
     places = [piece["start"] + np.linspace(0.0, piece["length"], PIECE_POINTS) for piece in pieces]

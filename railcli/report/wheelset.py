@@ -51,11 +51,11 @@ def colours_of(contact):
     return ScalarMappable(Normalize(-reach, reach), LINES)
 
 
-def outlines(mounting):
-    """Wheel, lifted, and rail from the tape circle to the field side: two pairs of arrays [mm]."""
+def outlines(mounting, lift=LIFT):
+    """Wheel, lifted by some mm, and rail from the tape circle to the field side: two pairs of arrays [mm]."""
     s = 1e3 * (mounting.wheel_start + mounting.wheel_step * np.arange(mounting.wheel.shape[0]))
     across = 1e3 * (mounting.rail_start - mounting.seat + mounting.rail_step * np.arange(mounting.rail.shape[0]))
-    return (s, 1e3 * mounting.wheel[:, 0] - LIFT), (across, 1e3 * mounting.rail[:, 0])
+    return (s, 1e3 * mounting.wheel[:, 0] - lift), (across, 1e3 * mounting.rail[:, 0])
 
 
 def frame(mounting):

@@ -1,0 +1,77 @@
+"""A recorded run seen by place: which rows hold a stretch of track."""
+
+import math
+
+import numpy as np
+
+BLOCK = 20_000  # rows evaluated at once
+STRIDE = 100  # rows between the places that are kept
+
+
+class Run:
+    """A run and what every part of an assessment asks of it.
+
+    Parameters
+    ----------
+    results : files.read_results.Results
+        Anything with its `rows`, `channels`, `read`, `pieces`, `bodies`, `wheelsets`, `wheels` and `scenario`.
+    limits : Limits
+
+    Attributes
+    ----------
+    interval, rate : float
+        Between two rows [s]; its inverse [Hz].
+    speed : float
+        [m/s]
+    first_row : int
+        The first one after the run-in.
+    """
+
+    def __init__(self, results, limits):
+        self.results, self.limits = results, limits
+        self.scenario = results.scenario
+        self.speed = self.scenario.run.speed
+        begin, end = (float(results.read("time", row, row + 1)[0]) for row in (0, results.rows - 1))
+        self.interval = round((end - begin) / max(results.rows - 1, 1), 9) or self.scenario.run.output_interval
+        self.rate = round(1.0 / self.interval, 6)
+        self.first_row = max(0, min(results.rows, math.ceil((limits.run_in - begin) / self.interval - 1e-6)))
+        name = f"bodies/{results.bodies[0]}/position"
+        self._places = np.concatenate(
+            [position[::STRIDE, 0] for (position,) in results.pieces(name, size=100 * STRIDE)]
+        )
+        self._offsets = self._wheelset_places(0) - self._places[0]
+
+    def _wheelset_places(self, row):
+        names = self.results.wheelsets
+        return np.array([self.results.read(f"bodies/{name}/position", row, row + 1)[0, 0] for name in names])
+
+    def absent(self, names):
+        """The first of the channels that was not recorded, or None."""
+        return next((name for name in names if name not in self.results.channels), None)
+
+    def stretch(self, broken=False):
+        """Arc lengths between which every wheelset ran after the run-in; of a broken run, as far as any came [m]."""
+        if self.first_row >= self.results.rows:
+            return 0.0, 0.0
+        first, last = (self._wheelset_places(row) for row in (self.first_row, self.results.rows - 1))
+        return float(first.max()), float(last.max() if broken else last.min())
+
+    def rows(self, start, end, margin):
+        """First row and the one behind the last that hold a stretch for every wheelset, with a margin [m]."""
+        low, high = start - margin - self._offsets.max(), end + margin - self._offsets.min()
+        first = (np.searchsorted(self._places, low) - 1) * STRIDE
+        last = (np.searchsorted(self._places, high) + 1) * STRIDE
+        return max(0, int(first)), min(self.results.rows, int(last))
+
+    def blocks(self, sections):
+        """Numbers of adjoining sections, as many at a time as make a block of rows."""
+        length = BLOCK * self.interval * self.speed
+        group = []
+        for number, section in enumerate(sections):
+            before = sections[number - 1]
+            if group and (section.end - sections[group[0]].start > length or section.start > before.end + 1e-6):
+                yield group
+                group = []
+            group.append(number)
+        if group:
+            yield group

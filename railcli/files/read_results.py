@@ -1,0 +1,221 @@
+"""A results folder opened for reading: channels with units, the scenario, the provenance.
+
+Values come from the file when they are asked for, whole or piece by piece, so that the length of a run needs no memory.
+"""
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from pydantic import ValidationError
+
+from railcli.errors import InputError
+from railcli.model.scenario import Scenario
+
+from .growing_hdf5 import CHUNK_CACHE
+from .results import CHUNK, FORMAT, FORMAT_VERSION, TIME_SERIES
+
+SCENARIO, SUMMARY = "scenario.json", "summary.json"
+PIECE = 10 * CHUNK  # rows that `pieces` gives at once
+COMPONENTS = {"position": ("s", "y", "z"), "rotation": ("roll", "pitch", "yaw")}
+AXES = ("x", "y", "z")
+_ASK_AGAIN = "run the scenario again"
+
+
+class Channel(NamedTuple):
+    """What a dataset of the time series is.
+
+    Attributes
+    ----------
+    name : str
+        Its path in the file, such as ``wheels/W1_right/Q``.
+    units, description : str
+    components : tuple of str
+        Names of its columns; empty when a row is one number.
+    """
+
+    name: str
+    units: str
+    description: str
+    components: tuple
+
+
+class Results:
+    """A results folder of `railcli run`; use it as a context manager, or close it.
+
+    Parameters
+    ----------
+    path : path-like
+        The folder, or the file of time series in it.
+
+    Attributes
+    ----------
+    folder : pathlib.Path
+    channels : dict of str to Channel
+        In the order of the file; ``time`` is the first.
+    rows : int
+        Of every channel.
+    bodies, wheelsets, wheels : tuple of str
+        Names, as they stand in the names of channels: ``bodies/<body>/position``, ``wheels/<wheel>/Y``. The wheels are
+        right and left one of each wheelset in turn.
+
+    Raises
+    ------
+    InputError
+        Nothing is there, it is damaged, of another program or version, or it holds no rows.
+    """
+
+    def __init__(self, path):
+        path = Path(path)
+        self.folder = path.parent if path.suffix == ".h5" else path
+        self._path = path if path.suffix == ".h5" else path / TIME_SERIES
+        self._file = self._open()
+        try:
+            self._read_head()
+        except BaseException:
+            self._file.close()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, traceback):
+        self.close()
+
+    def close(self):
+        """Close the file; what was read stays."""
+        self._file.close()
+
+    def read(self, name, start=0, stop=None):
+        """Rows of a channel.
+
+        Parameters
+        ----------
+        name : str
+        start, stop : int, optional
+            First row, and the one behind the last; all rows by default.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n,) or (n, number of components), in the channel's units; as recorded, in track axes.
+        """
+        if name not in self.channels:
+            raise InputError(self._path, f"holds no channel {name!r}")
+        try:
+            return self._file[name][start:stop]
+        except OSError as error:
+            raise InputError(self._path, f"channel {name!r} is damaged ({error}); {_ASK_AGAIN}") from None
+
+    def pieces(self, *names, size=PIECE):
+        """Yield tuples of arrays, some rows of each channel at a time."""
+        for start in range(0, self.rows, size):
+            yield tuple(self.read(name, start, start + size) for name in names)
+
+    @property
+    def time(self):
+        """Time of every row, the end of a step [s], (n,)."""
+        return self.read("time")
+
+    @property
+    def s(self):
+        """Arc length of the first body at every row [m], (n,)."""
+        return np.concatenate([position[:, 0] for (position,) in self.pieces(f"bodies/{self.bodies[0]}/position")])
+
+    @cached_property
+    def scenario(self):
+        """The Scenario that was run, as the folder holds it."""
+        path = self.folder / SCENARIO
+        try:
+            return Scenario.model_validate(_json(path), by_alias=True, by_name=False)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            place = ".".join(str(part) for part in first["loc"])
+            raise InputError(path, f"is no scenario of this version of railcli: {place}: {first['msg']}") from None
+
+    @cached_property
+    def settings(self):
+        """The scenario as the file holds it, whatever version of railcli wrote it; empty without the file."""
+        path = self.folder / SCENARIO
+        return _json(path) if path.exists() else {}
+
+    @cached_property
+    def summary(self):
+        """Contents of the summary; empty when the run broke off before it was written."""
+        path = self.folder / SUMMARY
+        return _json(path) if path.exists() else {}
+
+    @property
+    def fault(self):
+        """What broke the run off; empty when it reached its end."""
+        return self.summary.get("fault", "") if self.summary else "it was interrupted before its summary was written"
+
+    @property
+    def provenance(self):
+        """Versions, digests, machine and date, as the summary records them; empty without a summary."""
+        return self.summary.get("provenance", {})
+
+    def _open(self):
+        import h5py
+
+        if not self._path.exists():
+            what = "no such folder" if not self.folder.exists() else f"no results of a run: no {self._path.name} there"
+            raise InputError(self.folder, f"{what}; `railcli run scenario -o FOLDER` writes one")
+        try:
+            return h5py.File(self._path, "r", locking=False, rdcc_nbytes=CHUNK_CACHE)
+        except OSError as error:
+            reason = error.strerror or "it is not HDF5, or cut off"
+            raise InputError(self._path, f"cannot be read: {reason}; {_ASK_AGAIN}") from None
+
+    def _read_head(self):
+        import h5py
+
+        head = self._file.attrs
+        if head.get("format") != FORMAT:
+            raise InputError(self._path, "is an HDF5 file, but not of time series that railcli wrote")
+        if (version := head.get("version")) != FORMAT_VERSION:
+            raise InputError(self._path, f"has format version {version}, not {FORMAT_VERSION}; {_ASK_AGAIN}")
+        try:
+            self.bodies, self.wheelsets, self.wheels = (
+                tuple(str(name) for name in head[key]) for key in ("bodies", "wheelsets", "wheels")
+            )
+            self.rows = int(self._file["time"].size)
+            found = {}
+
+            def visit(name, item):
+                if isinstance(item, h5py.Dataset):
+                    found[name] = Channel(name, *(item.attrs[key] for key in ("units", "description")), _columns(item))
+                    if item.shape[0] != self.rows:
+                        raise KeyError(name)
+
+            self._file.visititems(visit)
+        except (KeyError, OSError, RuntimeError, ValueError):
+            raise InputError(self._path, f"is damaged: channels are missing or cut off; {_ASK_AGAIN}") from None
+        if not self.rows:
+            raise InputError(self._path, f"holds no rows; {_ASK_AGAIN}")
+        rest = sorted(found, key=lambda name: name.split("/")[0] not in ("time", "traction"))
+        self.channels = {name: found[name] for name in ["time", *(name for name in rest if name != "time")]}
+
+
+def _columns(dataset):
+    if len(dataset.shape) == 1:
+        return ()
+    count = dataset.shape[1]
+    given = COMPONENTS.get(dataset.name.rsplit("/", 1)[-1], AXES)
+    return given if len(given) == count else tuple(str(k + 1) for k in range(count))
+
+
+def _json(path):
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(path, f"is missing; {_ASK_AGAIN}") from None
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise InputError(path, f"is damaged, no JSON: {error}") from None
+    if not isinstance(value, dict):
+        raise InputError(path, "is damaged: it holds no table")
+    return value
