@@ -136,8 +136,8 @@ def _smoothing(smoothing):
     return (
         f"Smoothing: cut-off wavelength {smoothing['cutoff_mm']:g} mm; largest change of position "
         f"{change['position_mm'] * 1e3:.3g} micrometres at y = {y:.2f}, z = {z:.2f} mm; of curvature (mean over "
-        f"{WINDOW * 1e3:g} mm) {change['curvature_per_m']:.3g} 1/m at y = {y_bent:.2f}, z = {z_bent:.2f} mm; "
-        f"on the running surface {running['position_mm'] * 1e3:.3g} micrometres and {running['curvature_per_m']:.3g} 1/m"
+        f"{WINDOW * 1e3:g} mm) {change['curvature_per_m']:.3g} 1/m at y = {y_bent:.2f}, z = {z_bent:.2f} mm; on the "
+        f"running surface {running['position_mm'] * 1e3:.3g} micrometres and {running['curvature_per_m']:.3g} 1/m"
     )
 
 
