@@ -21,6 +21,8 @@ ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
 RAIL_REACH = 0.010  # running surface to both sides of the top that a table needs [m]
 WHEEL_REACH = (-0.035, 0.020)  # running surface that a table needs: flange root and tread [m]
+GAUGE_DEPTH = 0.014  # below the top, where gauge is measured [m]
+RUNNING_SLOPE = np.tan(np.radians(60.0))
 GAP = 3e-3  # between neighbouring points, from which the report warns [m]
 LEAN = np.radians(0.5)  # of the head, from which the report warns that it may be inclined already
 LARGEST_SHIFT = 0.1  # of a wheel to the field side [m]
@@ -113,7 +115,11 @@ def convert(measured, settings):
     profile, smoothing, resampling = raw, None, None
     if settings.smooth:
         profile = smooth(path.stem, kind.choice, raw.y, raw.z, settings.smooth, corners)
-        smoothing = {"cutoff_mm": settings.smooth * 1e3, "largest_change": change(raw, profile)}
+        smoothing = {
+            "cutoff_mm": settings.smooth * 1e3,
+            "largest_change": change(raw, profile),
+            "largest_change_on_running_surface": change(raw, profile, _running_surface(profile)),
+        }
     if settings.resample:
         before = profile
         profile = resample(profile, settings.resample)
@@ -257,6 +263,16 @@ def write(imported, settings, place, report):
 def beside(place, ending):
     """Where the account of the canonical file at `place` goes."""
     return place.with_name(f"{place.stem}.curation.{ending}")
+
+
+def _running_surface(profile):
+    """Nodes where wheels and rails run: slopes below 60 degrees, on a wheel from its flank to the field side, on a rail
+    down to where gauge is measured."""
+    flat = np.abs(np.tan(profile.angle)) < RUNNING_SLOPE
+    if profile.kind == "rail":
+        return flat & (profile.z - profile.z.min() < GAUGE_DEPTH)
+    inner = profile.y < 0.0
+    return flat & (profile.y > profile.y[np.argmin(np.where(inner, profile.angle, np.inf))])
 
 
 def _tangents_follow(profile):

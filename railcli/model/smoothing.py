@@ -73,8 +73,14 @@ def resample(profile, distance):
     return Profile(profile.name, profile.kind, y, z, np.unwrap(angle))
 
 
-def change(before, after):
+def change(before, after, part=None):
     """Largest change between two profiles whose nodes belong together.
+
+    Parameters
+    ----------
+    before, after : Profile
+    part : bool array (n,), optional
+        Nodes to look at; all without it.
 
     Returns
     -------
@@ -83,8 +89,10 @@ def change(before, after):
         and `curvature_at_mm`.
     """
     across = (after.z - before.z) * np.cos(after.angle) - (after.y - before.y) * np.sin(after.angle)
-    moved = int(np.argmax(np.abs(across)))
     bent = mean_curvature(after, after.arc) - mean_curvature(before, before.arc)
+    if part is not None:
+        across, bent = np.where(part, across, 0.0), np.where(part, bent, 0.0)
+    moved = int(np.argmax(np.abs(across)))
     most = int(np.argmax(np.abs(bent)))
     return {
         "position_mm": abs(float(across[moved])) * 1e3,

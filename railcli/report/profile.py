@@ -119,7 +119,7 @@ def _listed(title, items):
 def _fault(fault):
     ranges = [f"{first}" if first == last else f"{first}-{last}" for first, last in fault["lines"]]
     where = ", ".join(ranges[:RANGES_SHOWN]) + (", ..." if len(ranges) > RANGES_SHOWN else "")
-    text = f"{fault['points']} points {fault['treatment']}: {fault['reason']}"
+    text = f"{fault['points']} point{'s' if fault['points'] != 1 else ''} {fault['treatment']}: {fault['reason']}"
     text += f"; lines {where}" if where else ""
     return text + (f"; at most {fault['largest_mm']:.3g} mm" if fault["largest_mm"] else "")
 
@@ -131,12 +131,13 @@ def _kink(kink):
 def _smoothing(smoothing):
     if smoothing is None:
         return "Smoothing: none"
-    change = smoothing["largest_change"]
+    change, running = smoothing["largest_change"], smoothing["largest_change_on_running_surface"]
     (y, z), (y_bent, z_bent) = change["position_at_mm"], change["curvature_at_mm"]
     return (
         f"Smoothing: cut-off wavelength {smoothing['cutoff_mm']:g} mm; largest change of position "
         f"{change['position_mm'] * 1e3:.3g} micrometres at y = {y:.2f}, z = {z:.2f} mm; of curvature (mean over "
-        f"{WINDOW * 1e3:g} mm) {change['curvature_per_m']:.3g} 1/m at y = {y_bent:.2f}, z = {z_bent:.2f} mm"
+        f"{WINDOW * 1e3:g} mm) {change['curvature_per_m']:.3g} 1/m at y = {y_bent:.2f}, z = {z_bent:.2f} mm; on the "
+        f"running surface {running['position_mm'] * 1e3:.3g} micrometres and {running['curvature_per_m']:.3g} 1/m"
     )
 
 

@@ -123,6 +123,17 @@ def test_part_of_a_wheel_is_refused():
     assert "y extends over 15.96 mm, but a wheel profile is 60 to 200 mm wide" in refusal(SAMPLES / "final_clean.prw")
 
 
+def test_smoothing_tells_what_it_does_to_the_running_surface():
+    """Seams of this measurement lie at the flange tip: large changes there, small ones where wheels run."""
+    account = import_profile(SAMPLES / "Car7216_0001r.whl", ImportSettings(smooth=4e-3)).account
+    anywhere = account["smoothing"]["largest_change"]
+    running = account["smoothing"]["largest_change_on_running_surface"]
+    assert anywhere["position_at_mm"][0] < -50.0 and anywhere["curvature_at_mm"][0] < -50.0
+    assert running["position_at_mm"][0] > -40.0 and running["curvature_at_mm"][0] > -40.0
+    assert running["position_mm"] < 0.3 * anywhere["position_mm"]
+    assert running["curvature_per_m"] < 0.3 * anywhere["curvature_per_m"]
+
+
 def test_nothing_is_smoothed_unless_asked():
     imported = import_profile(SAMPLES / "whl_left_iter288.whl", AUTO)
     measured = read_points(SAMPLES / "whl_left_iter288.whl")
