@@ -33,8 +33,8 @@ def assess(results, limits=None, fault="", progress=None):
     Assessment
     """
     limits = limits or Limits()
-    run = Run(results, limits)
-    start, end = run.stretch(broken=bool(fault))
+    run = Run(results, limits, broken=bool(fault))
+    start, end = run.stretch()
     contact, vehicle = run.scenario.contact, run.scenario.vehicle
     static = static_wheel_loads(vehicle, run.scenario.run.gravity, contact.tape_circle)
     friction = contact.friction if limits.friction is None else limits.friction
@@ -44,6 +44,7 @@ def assess(results, limits=None, fault="", progress=None):
         "from_m": start,
         "to_m": end,
         "run_in_s": limits.run_in,
+        "run_out_s": 0.0 if fault else limits.run_out,
         "speed_m_per_s": run.speed,
         "recorded_Hz": run.rate,
         "flange_angle_rad": limits.flange_angle,
@@ -63,8 +64,8 @@ def assess(results, limits=None, fault="", progress=None):
     else:
         tally.missing(
             FIGURES,
-            f"less than {SHORTEST:g} m of a straight, curve or transition that every wheelset ran over after the first "
-            f"{limits.run_in:g} s",
+            f"less than {SHORTEST:g} m of one straight, curve or transition that every wheelset ran over between the "
+            f"first {limits.run_in:g} and the last {limits.run_out:g} s",
         )
     outcome.values, outcome.by_section = tally.values(), tally.by_section
     return outcome
