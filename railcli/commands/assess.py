@@ -35,6 +35,9 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
 
     bounds = load_limits(limits) if limits else Limits()
     names = _names(results)
+    for path in results:  # all of them can be read before anything is written
+        with Results(path) as source:
+            source.scenario, source.summary  # noqa: B018
     lines, records, judged = [], [], []
     with results_folder("assess", names[0], output, overwrite) as folder:
         for name, path in zip(names, results, strict=True):

@@ -161,10 +161,11 @@ def test_bad_limits_are_one_line(finished, tmp_path, text, words):
     assert not (tmp_path / "out").exists()
 
 
-def test_what_is_no_result_is_one_line(tmp_path):
-    result = railcli("assess", tmp_path / "nowhere", "-o", tmp_path / "out")
-    assert result.exit_code == 2 and "no such folder" in result.stderr and len(result.stderr.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
+def test_what_is_no_result_is_one_line(finished, tmp_path):
+    for folders in ([tmp_path / "nowhere"], [finished[0], tmp_path / "nowhere"]):
+        result = railcli("assess", *folders, "-o", tmp_path / "out")
+        assert result.exit_code == 2 and "no such folder" in result.stderr and len(result.stderr.splitlines()) == 1
+        assert not (tmp_path / "out").exists()
     (tmp_path / "empty").mkdir()
     result = railcli("assess", tmp_path / "empty", "-o", tmp_path / "out")
     assert result.exit_code == 2 and "no timeseries.h5" in result.stderr
