@@ -16,15 +16,15 @@ from .assessment.values import Assessment, Tally
 from .assessment.wear import assess_wear
 
 
-def assess(results, limits=None, fault="", progress=None):
+def assess(results, limits=None, fault=None, progress=None):
     """Form every figure that a run gives, and judge it.
 
     Parameters
     ----------
     results : files.read_results.Results
     limits : Limits, optional
-    fault : str
-        What broke the run off; empty when it reached its end.
+    fault : str, optional
+        What broke the run off, empty when it reached its end; by default what the results say.
     progress : callable, optional
         Called with the share that is done.
 
@@ -33,6 +33,7 @@ def assess(results, limits=None, fault="", progress=None):
     Assessment
     """
     limits = limits or Limits()
+    fault = results.fault if fault is None else fault
     run = Run(results, limits, broken=bool(fault))
     start, end = run.stretch()
     contact, vehicle = run.scenario.contact, run.scenario.vehicle

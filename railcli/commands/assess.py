@@ -43,7 +43,7 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
         for name, path in zip(names, results, strict=True):
             with Results(path) as source, Progress(f"Assess {name}", 100, "%", quiet) as progress:
                 scenario = source.scenario
-                outcome = judge(source, bounds, source.fault, lambda share, to=progress: to.update(round(100 * share)))
+                outcome = judge(source, bounds, progress=lambda share, to=progress: to.update(round(100 * share)))
                 record = {
                     "results": source.folder,
                     "scenario": scenario.name,

@@ -14,8 +14,10 @@ class Run:
     Parameters
     ----------
     results : files.read_results.Results
-        Anything with its `rows`, `channels`, `read`, `pieces`, `bodies`, `wheelsets`, `wheels` and `scenario`.
+        Anything with its `rows`, `channels`, `read`, `pieces`, `bodies`, `wheelsets`, `wheels`, `scenario`, `fault`.
     limits : Limits
+    broken : bool
+        The run did not reach its end: there is no run-out.
 
     Attributes
     ----------
