@@ -58,9 +58,13 @@ def head(name, scenario, assessment):
     """Lines that say what was evaluated."""
     given = assessment.conditions
     count, angle = len(assessment.sections), math.degrees(given["flange_angle_rad"])
-    sections = f"{count} section{'s' * (count != 1)} from {given['from_m']:.0f} to {given['to_m']:.0f} m"
+    sections = (
+        f"{count} section{'s' * (count != 1)} from {given['from_m']:.0f} to {given['to_m']:.0f} m"
+        if count
+        else "nothing"
+    )
     pairs = [
-        ("evaluated", f"{sections if count else 'nothing'}, without the first {given['run_in_s']:g} and the last {given['run_out_s']:g} s"),
+        ("evaluated", f"{sections}, without the first {given['run_in_s']:g} and the last {given['run_out_s']:g} s"),
         ("speed", f"{given['speed_m_per_s']:g} m/s"),
         ("recorded", f"at {given['recorded_Hz']:g} Hz"),
         ("Nadal", f"flange angle {angle:g} degrees, friction {given['friction']:g}"),
