@@ -103,8 +103,8 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
             node = np.empty((int(counts.sum()), NODE_CHANNELS))
             basin = np.empty((node.shape[0], 2))
             fill_nodes(
-                roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments, settings.young, settings.poisson,
-                regions, found, counts, node, basin,
+                mounting.pressed, roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments,
+                settings.young, settings.poisson, regions, found, counts, node, basin,
             )
             nodes.append(node)
             basins.append(basin)
