@@ -34,7 +34,9 @@ def test_help_lists_the_commands_in_order_of_use():
     assert listed == ["profile", "build-lut", "contact", "conicity", "run", "assess", "rt-bench", "validate"]
 
 
-@pytest.mark.parametrize("arguments", [["run", "scenario"], ["validate", "manchester"], ["build-lut"], ["rt-bench"], ["assess"]])
+@pytest.mark.parametrize(
+    "arguments", [["run", "scenario"], ["validate", "manchester"], ["build-lut"], ["rt-bench"], ["assess"]]
+)
 def test_each_command_has_help(arguments):
     result = CliRunner().invoke(main, [*arguments, "--help"])
     assert result.exit_code == 0
