@@ -202,14 +202,16 @@ FILTER_EXACT = 1e-10  # rounding of a constant through recursive sections
 SLIDING = 1e-5  # relative: cubic spline through 40 samples a wavelength, error (pi / 40)^4 / 6
 PRINTED_THREE = 6e-4  # of a magnitude printed with three decimals
 WEIGHTED = 1e-9  # the filter works on the spectrum: a whole number of periods leaves rounding only
-WEIGHTED_START = 2e-4  # of the amplitude: the odd reflection at an end is no sine; what is left of it 10 s later
+WEIGHTED_START = 2e-4  # of the amplitude: the reflection at an end is no sine; what is left of it 10 s later
 SPERLING_FACTOR = 1.2e-3  # 4.42 has three digits; it stands for (100 sqrt 2)^0.3 = 4.4172
 BETWEEN_RANKS = 1e-3  # of a percentile of 100,000 quantiles: the outermost 0.15 % are 150 of them
 FREQUENCY = 0.025  # [Hz] grid of the padded spectrum
 FLOOR_SPLINE = 1e-6  # [m/s^2] derivative of a cubic spline at 100 samples a period, (2 pi / 100)^4 / 180 of 1 m/s^2
 BLOCKWISE = 1e-6  # relative: what is left of a filter's start after 10 s; blocks must not be seen
-SIGNAL = 2e-3  # of a figure: samples of a sine lie beside its crests, and percentiles cut 1e-5 of them off
+SIGNAL = 5e-3  # of a figure: samples lie beside crests; a high-pass remembers 0.3 % of a reflected start after 3 s
+OVERSHOOT = 0.05  # of a step through a low-pass of fourth order; measured 0.027
 COARSE_SINE = 6e-3  # 8 Hz recorded at 100 Hz: samples lie up to 2 pi 8 / 200 from the crest, 25 phases in all
 SECTION_ENDS = 8e-3  # of an rms: a section of 10.2 periods ends within one, 1 / (2 omega T) = 1 / 128
 STEADY_END = 2e-3  # median of a section against the mean of the last 50 m, where the motion has settled to 1e-3
 ONE_ROW = 5e-3  # of a mean over 350 rows: sections weigh by length, rows of the file do not
+RECORD_END = 0.02  # of the amplitude: a high-pass of 0.4 Hz that started backwards 2 s ago with an error of a fifth

@@ -16,15 +16,15 @@ from .assessment.values import Assessment, Tally
 from .assessment.wear import assess_wear
 
 
-def assess(results, limits=None, fault="", progress=None):
+def assess(results, limits=None, fault=None, progress=None):
     """Form every figure that a run gives, and judge it.
 
     Parameters
     ----------
     results : files.read_results.Results
     limits : Limits, optional
-    fault : str
-        What broke the run off; empty when it reached its end.
+    fault : str, optional
+        What broke the run off, empty when it reached its end; by default what the results say.
     progress : callable, optional
         Called with the share that is done.
 
@@ -33,8 +33,9 @@ def assess(results, limits=None, fault="", progress=None):
     Assessment
     """
     limits = limits or Limits()
-    run = Run(results, limits)
-    start, end = run.stretch(broken=bool(fault))
+    fault = results.fault if fault is None else fault
+    run = Run(results, limits, broken=bool(fault))
+    start, end = run.stretch()
     contact, vehicle = run.scenario.contact, run.scenario.vehicle
     static = static_wheel_loads(vehicle, run.scenario.run.gravity, contact.tape_circle)
     friction = contact.friction if limits.friction is None else limits.friction
@@ -44,6 +45,7 @@ def assess(results, limits=None, fault="", progress=None):
         "from_m": start,
         "to_m": end,
         "run_in_s": limits.run_in,
+        "run_out_s": 0.0 if fault else limits.run_out,
         "speed_m_per_s": run.speed,
         "recorded_Hz": run.rate,
         "flange_angle_rad": limits.flange_angle,
@@ -63,8 +65,8 @@ def assess(results, limits=None, fault="", progress=None):
     else:
         tally.missing(
             FIGURES,
-            f"less than {SHORTEST:g} m of a straight, curve or transition that every wheelset ran over after the first "
-            f"{limits.run_in:g} s",
+            f"less than {SHORTEST:g} m of one straight, curve or transition that every wheelset ran over between the "
+            f"first {limits.run_in:g} and the last {limits.run_out:g} s",
         )
     outcome.values, outcome.by_section = tally.values(), tally.by_section
     return outcome

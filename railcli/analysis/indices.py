@@ -33,7 +33,8 @@ def filtered(x, rate, low=None, high=None):
     """Signal without what lies below `low` and above `high`, not shifted in time.
 
     A Butterworth filter of second order runs forwards and backwards, so that its slope is 24 dB per octave; its corner
-    is set so that both runs together have -3 dB at the corner asked for.
+    is set so that both runs together have -3 dB at the corner asked for. The signal is continued at its ends by its
+    even reflection: an odd one would add a step of twice the last value, which a high-pass turns into a peak.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def filtered(x, rate, low=None, high=None):
     ]
     sos = np.concatenate(sections)
     longest = 3.0 * rate / (low or high)
-    return signal.sosfiltfilt(sos, x, axis=0, padlen=int(min(len(x) - 1, longest)))
+    return signal.sosfiltfilt(sos, x, axis=0, padtype="even", padlen=int(min(len(x) - 1, longest)))
 
 
 def _butterworth(corner, rate, kind):
@@ -148,7 +149,7 @@ def sperling_weighting(frequency, lateral=False):
 def weighted(x, rate, response):
     """Signal through a filter given by its frequency response.
 
-    The signal is continued at both ends by its odd reflection, at most 10 s long.
+    The signal is continued at both ends by its even reflection, at most 10 s long.
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ def weighted(x, rate, response):
         Response at an array of frequencies [Hz].
     """
     pad = min(len(x) - 1, int(SETTLED * rate))
-    padded = np.pad(x, pad, mode="reflect", reflect_type="odd")
+    padded = np.pad(x, pad, mode="reflect")
     frequency = fft.rfftfreq(padded.size, 1.0 / rate)
     result = fft.irfft(fft.rfft(padded) * response(frequency), padded.size)
     return result[pad : pad + len(x)]

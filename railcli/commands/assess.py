@@ -35,12 +35,15 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
 
     bounds = load_limits(limits) if limits else Limits()
     names = _names(results)
+    for path in results:  # all of them can be read before anything is written
+        with Results(path) as source:
+            source.scenario, source.summary  # noqa: B018
     lines, records, judged = [], [], []
     with results_folder("assess", names[0], output, overwrite) as folder:
         for name, path in zip(names, results, strict=True):
             with Results(path) as source, Progress(f"Assess {name}", 100, "%", quiet) as progress:
                 scenario = source.scenario
-                outcome = judge(source, bounds, source.fault, lambda share, to=progress: to.update(round(100 * share)))
+                outcome = judge(source, bounds, progress=lambda share, to=progress: to.update(round(100 * share)))
                 record = {
                     "results": source.folder,
                     "scenario": scenario.name,

@@ -117,6 +117,7 @@ class Limits(Description):
     """Limits and conditions of an assessment; a key left out keeps its default, None means as the standard has it."""
 
     run_in: NotNegative = Field(3.0, alias="run_in_s")
+    run_out: NotNegative = Field(2.0, alias="run_out_s")
     section_length: Annotated[Positive, Field(ge=10.0)] | None = Field(None, alias="section_length_m")
     floor_height: Annotated[Positive, Field(le=10.0)] = Field(1.2, alias="floor_height_m")
     warn_share: _Share = 0.9

@@ -21,6 +21,7 @@ PANELS = (  # figure, label of the axis, both signs of the limit
     ("ay_max", "lateral acc.\n[m/s$^2$], 0.4-10 Hz", True),
     ("az_max", "vertical acc.\n[m/s$^2$], 0.4-10 Hz", True),
 )
+MANY = 60  # sections that are not drawn any more
 FAR = 0.2  # share of a limit below which the limit is told, not drawn
 LEGEND = (
     f"{NOT_CONSULTED}: processing and limit from common knowledge of the field and secondary sources; the standard "
@@ -57,9 +58,13 @@ def head(name, scenario, assessment):
     """Lines that say what was evaluated."""
     given = assessment.conditions
     count, angle = len(assessment.sections), math.degrees(given["flange_angle_rad"])
-    sections = f"{count} section{'s' * (count != 1)} from {given['from_m']:.0f} to {given['to_m']:.0f} m"
+    sections = (
+        f"{count} section{'s' * (count != 1)} from {given['from_m']:.0f} to {given['to_m']:.0f} m"
+        if count
+        else "nothing"
+    )
     pairs = [
-        ("evaluated", f"{sections}, without the first {given['run_in_s']:g} s"),
+        ("evaluated", f"{sections}, without the first {given['run_in_s']:g} and the last {given['run_out_s']:g} s"),
         ("speed", f"{given['speed_m_per_s']:g} m/s"),
         ("recorded", f"at {given['recorded_Hz']:g} Hz"),
         ("Nadal", f"flange angle {angle:g} degrees, friction {given['friction']:g}"),
@@ -254,15 +259,16 @@ def _draw(canvas, name, scenario, assessment, panels):
             largest = max(np.nanmax(np.abs([trace.low, trace.high]), initial=0.0) for trace in lines.values())
             if largest < FAR * limit:
                 text = f"limit {factor * limit:.3g}: beyond the axis"
-                axis.text(0.01, 0.95, text, transform=axis.transAxes, fontsize=8, color=VERMILION, va="top")
+                axis.text(0.99, 0.95, text, transform=axis.transAxes, fontsize=8, color=VERMILION, ha="right", va="top")
             else:
                 for sign in (1.0, -1.0) if both else (1.0,):
                     axis.axhline(sign * factor * limit, color=VERMILION, linestyle="--", linewidth=1.0)
         axis.set_ylabel(label)
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     track_strip(strip, axes, scenario, assessment.conditions["to_m"])
-    strip.set_title(f"{name}, {scenario.run.speed:g} m/s; dashed: limits, thin: sections")
-    for section in assessment.sections[:60]:
+    few = len(assessment.sections) <= MANY
+    strip.set_title(f"{name}, {scenario.run.speed:g} m/s; dashed: limits{', thin: sections' * few}")
+    for section in assessment.sections * few:
         for axis in axes:
             axis.axvline(section.start, color=GREY, linewidth=0.4)
     axes[-1].set_xlabel("arc length [m]")

@@ -121,7 +121,8 @@ def test_own_limits_and_check(finished, tmp_path):
     limits.write_text("Q_qst_kN = 60\nsection_length_m = 60\nrun_in_s = 4.5\n")
     arguments = ("assess", folder, "-q", "--no-figures", "--limits", limits)
     result = railcli(*arguments, "-o", tmp_path / "one")
-    assert result.exit_code == 0 and "1 fail" in result.stdout and "without the first 4.5 s" in result.stdout
+    assert result.exit_code == 0 and "1 fail" in result.stdout
+    assert "without the first 4.5 and the last 2 s" in result.stdout
     result = railcli(*arguments, "-o", tmp_path / "two", "--check")
     assert result.exit_code == 4 and result.stderr.splitlines() == ["Error: over the limits, or broken off: before"]
     assert (tmp_path / "two" / "assessment.json").is_file()
@@ -160,10 +161,11 @@ def test_bad_limits_are_one_line(finished, tmp_path, text, words):
     assert not (tmp_path / "out").exists()
 
 
-def test_what_is_no_result_is_one_line(tmp_path):
-    result = railcli("assess", tmp_path / "nowhere", "-o", tmp_path / "out")
-    assert result.exit_code == 2 and "no such folder" in result.stderr and len(result.stderr.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
+def test_what_is_no_result_is_one_line(finished, tmp_path):
+    for folders in ([tmp_path / "nowhere"], [finished[0], tmp_path / "nowhere"]):
+        result = railcli("assess", *folders, "-o", tmp_path / "out")
+        assert result.exit_code == 2 and "no such folder" in result.stderr and len(result.stderr.splitlines()) == 1
+        assert not (tmp_path / "out").exists()
     (tmp_path / "empty").mkdir()
     result = railcli("assess", tmp_path / "empty", "-o", tmp_path / "out")
     assert result.exit_code == 2 and "no timeseries.h5" in result.stderr

@@ -127,14 +127,14 @@ def _judge(tally, limits, point, where, section, number, ride, slow):
 
 
 def _assess_comfort(run, outcome, tally, body, points):
-    """Weighted accelerations in windows of 5 s that follow each other, from the end of the run-in."""
+    """Weighted accelerations in windows of 5 s that follow each other, from the end of the run-in to the run-out."""
     window, limits = indices.COMFORT_WINDOW, run.limits
     rows, size, pad = run.results.rows, round(window * run.rate), round(indices.SETTLED * run.rate)
-    count = (rows - run.first_row) // size
+    count = max(0, (run.last_row - run.first_row) // size)
     if count < LEAST_WINDOWS:
-        tally.missing(("N_MV",), f"{count} windows of {window:g} s after the run-in, {LEAST_WINDOWS} are needed")
+        tally.missing(("N_MV",), f"{count} windows of {window:g} s from run-in to run-out, {LEAST_WINDOWS} are needed")
     if count < 1:
-        tally.missing(COMFORT, f"no window of {window:g} s after the run-in")
+        tally.missing(COMFORT, f"no window of {window:g} s from run-in to run-out")
         return
     gathered = {point.name: [] for point in points}
     for begin in range(0, count, WINDOWS_AT_ONCE):

@@ -14,8 +14,10 @@ class Run:
     Parameters
     ----------
     results : files.read_results.Results
-        Anything with its `rows`, `channels`, `read`, `pieces`, `bodies`, `wheelsets`, `wheels` and `scenario`.
+        Anything with its `rows`, `channels`, `read`, `pieces`, `bodies`, `wheelsets`, `wheels`, `scenario`, `fault`.
     limits : Limits
+    broken : bool
+        The run did not reach its end: there is no run-out.
 
     Attributes
     ----------
@@ -23,18 +25,19 @@ class Run:
         Between two rows [s]; its inverse [Hz].
     speed : float
         [m/s]
-    first_row : int
-        The first one after the run-in.
+    first_row, last_row : int
+        The first one after the run-in, and the one behind the last that counts.
     """
 
-    def __init__(self, results, limits):
-        self.results, self.limits = results, limits
+    def __init__(self, results, limits, broken=False):
+        self.results, self.limits, self.broken = results, limits, broken
         self.scenario = results.scenario
         self.speed = self.scenario.run.speed
         begin, end = (float(results.read("time", row, row + 1)[0]) for row in (0, results.rows - 1))
         self.interval = round((end - begin) / max(results.rows - 1, 1), 9) or self.scenario.run.output_interval
         self.rate = round(1.0 / self.interval, 6)
         self.first_row = max(0, min(results.rows, math.ceil((limits.run_in - begin) / self.interval - 1e-6)))
+        self.last_row = results.rows - (0 if broken else round(limits.run_out / self.interval))
         name = f"bodies/{results.bodies[0]}/position"
         self._places = np.concatenate(
             [position[::STRIDE, 0] for (position,) in results.pieces(name, size=100 * STRIDE)]
@@ -49,12 +52,12 @@ class Run:
         """The first of the channels that was not recorded, or None."""
         return next((name for name in names if name not in self.results.channels), None)
 
-    def stretch(self, broken=False):
-        """Arc lengths between which every wheelset ran after the run-in; of a broken run, as far as any came [m]."""
-        if self.first_row >= self.results.rows:
+    def stretch(self):
+        """Arc lengths between which every wheelset ran in rows that count; of a broken run, as far as any came [m]."""
+        if self.first_row >= self.last_row:
             return 0.0, 0.0
-        first, last = (self._wheelset_places(row) for row in (self.first_row, self.results.rows - 1))
-        return float(first.max()), float(last.max() if broken else last.min())
+        first, last = (self._wheelset_places(row) for row in (self.first_row, self.last_row - 1))
+        return float(first.max()), float(last.max() if self.broken else last.min())
 
     def rows(self, start, end, margin):
         """First row and the one behind the last that hold a stretch for every wheelset, with a margin [m]."""
