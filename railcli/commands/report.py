@@ -62,6 +62,8 @@ def report(
             Curves(stack.enter_context(Results(path)), label)
             for path, label in zip(results, labels(results), strict=True)
         ]
+        for one in several:  # all can be read before anything is written
+            one.results.summary, one.results.settings  # noqa: B018
         if film:
             from railcli.report import animation
 

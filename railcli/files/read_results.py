@@ -164,7 +164,12 @@ class Results:
             what = "no such folder" if not self.folder.exists() else f"no results of a run: no {self._path.name} there"
             raise InputError(self.folder, f"{what}; `railcli run scenario -o FOLDER` writes one")
         try:
-            return h5py.File(self._path, "r", locking=False, rdcc_nbytes=CHUNK_CACHE)
+            try:
+                return h5py.File(self._path, "r", locking=False, rdcc_nbytes=CHUNK_CACHE)
+            except OSError as error:
+                if "locking flag" not in str(error):
+                    raise
+                return h5py.File(self._path, "r", rdcc_nbytes=CHUNK_CACHE)  # as this process has it open already
         except OSError as error:
             reason = error.strerror or "it is not HDF5, or cut off"
             raise InputError(self._path, f"cannot be read: {reason}; {_ASK_AGAIN}") from None

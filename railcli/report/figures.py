@@ -56,6 +56,12 @@ def draw(painter, path, size, dpi=DPI):
             figure.savefig(temporary, format=path.suffix[1:].lower(), dpi=dpi)
 
 
+def plain(text):
+    """A user's words as a label of matplotlib, to which $ and a leading underscore mean something else."""
+    text = text.replace("$", r"\$")
+    return f" {text}" if text.startswith("_") else text
+
+
 def check_format(path):
     """Raise an InputError when the ending of a figure's path names no format."""
     if path.suffix[1:].lower() not in FORMATS:

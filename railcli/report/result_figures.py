@@ -7,7 +7,7 @@ import numpy as np
 
 from . import assess
 from .curves import SIDES
-from .figures import BLUE, GREY, SERIES, VERMILION, draw
+from .figures import BLUE, GREY, SERIES, VERMILION, draw, plain
 
 COLUMNS = 4  # wheelsets side by side
 PANEL = (2.9, 1.75)  # size of a panel [inch]
@@ -94,7 +94,7 @@ def figure_of_assessment(one, outcome, several):
     return [
         Figure(
             f"assessment{number}", f"Signals and limits{of}", caption,
-            lambda path: assess.figure(one.label, one.scenario, outcome, path),
+            lambda path: assess.figure(plain(one.label), one.scenario, outcome, path),
         )
     ]  # fmt: skip
 
@@ -217,7 +217,7 @@ def _body_panels(figure, several, painter):
             for one in several:
                 if body in one.sprung:
                     painter(axis, one, f"bodies/{body}/acceleration", k, style(one, None))
-            axis.set_title(f"{body}, {direction}")
+            axis.set_title(plain(f"{body}, {direction}"))
     return panels
 
 
@@ -253,8 +253,8 @@ def _styles(several):
     def style(one, side):
         if len(several) == 1:
             return {"color": WHEEL_COLOURS.get(side, BLUE), "linestyle": LINES.get(side, "-"),
-                    "label": f"{side} wheel" if side else one.label, "linewidth": 1.0}  # fmt: skip
-        label = f"{one.label}, {side} wheel" if side else one.label
+                    "label": f"{side} wheel" if side else plain(one.label), "linewidth": 1.0}  # fmt: skip
+        label = plain(f"{one.label}, {side} wheel" if side else one.label)
         colour = SERIES[several.index(one) % len(SERIES)]
         return {"color": colour, "linestyle": LINES.get(side, "-"), "label": label, "linewidth": 1.0}
 

@@ -149,6 +149,13 @@ def test_pandas_opens_a_result_with_one_call(recorded, expected):
         railcli.open_results(recorded(), "wheels/W1_rigth/Q")
 
 
+def test_a_result_opens_beside_h5py(recorded, expected):
+    """In a notebook the same file may be open with h5py, which locks it by default."""
+    with h5py.File(recorded() / "timeseries.h5") as file:
+        frame = railcli.open_results(recorded(), FORCE)
+        assert np.array_equal(frame[f"{FORCE} [N]"], file[FORCE][:])
+
+
 def test_import_is_light(run_python):
     heavy = "{'numpy', 'numba', 'scipy', 'pandas', 'matplotlib', 'pydantic', 'h5py', 'click'}"
     result = run_python(f"import sys, railcli; print(callable(railcli.open_results), {heavy} & set(sys.modules))")

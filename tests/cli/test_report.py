@@ -237,6 +237,19 @@ def test_what_cannot_be_judged_is_said(recorded, tmp_path):
     assert 'id="assessment"' not in page.text and not (tmp_path / "out" / "track.png").exists()
 
 
+def test_odd_names_are_words(recorded, tmp_path):
+    """Names of folders that mean something to a page or to matplotlib."""
+    odd = ["_$\\frac$", "<b>&"]
+    for name in odd:
+        shutil.copytree(recorded(), tmp_path / name)
+    result = run(*(tmp_path / name for name in odd), "-o", tmp_path / "out", "--picture", "svg", "--no-assessment")
+    assert result.exit_code == 0, result.stderr
+    page = Page(tmp_path / "out" / "report.html")
+    assert "".join(page.titles) == " against ".join(odd)
+    drawn = (tmp_path / "out" / "forces.svg").read_text()
+    assert "$\\frac$, right wheel" in drawn and "&lt;b&gt;&amp;, left wheel" in drawn
+
+
 def test_missing_extra_is_named(recorded, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "jinja2", None)
     result = run(recorded(), "-o", tmp_path / "out")
@@ -250,8 +263,12 @@ def test_bad_input_is_one_line(recorded, tmp_path):
     shutil.copytree(recorded(), broken)
     with open(broken / "timeseries.h5", "r+b") as file:
         file.truncate(5000)
+    unreadable = tmp_path / "unreadable"
+    shutil.copytree(recorded(), unreadable)
+    (unreadable / "summary.json").write_text('{"scenario": ')
     for arguments, words in [
         ((tmp_path / "nowhere",), ["no such folder"]),
+        ((unreadable,), ["summary.json", "damaged"]),
         ((recorded(), broken), ["timeseries.h5", "run the scenario again"]),
         ((recorded(), "-o", broken), ["exists already"]),
         ((*[recorded()] * 7,), ["at most 6"]),
