@@ -117,6 +117,47 @@ def creep_forces(smooth, linear, limit, creepage):
     return force * allowed / size
 
 
+def polach_forces(k_a, k_s, a, b, f, limit, creepage):
+    """Tx, Ty, Mz of Polach (1999, 2005), with the moment that takes from f33 and f23 what spin loses of its force."""
+    f11, f22, f23, f33 = f
+    xi, eta, phi = creepage
+    edge = eta + phi * a
+    far = edge if abs(edge) > abs(eta) else eta
+    slip, total = np.hypot(xi, eta), np.hypot(xi, far)
+    e = np.pi / 4 * np.hypot(f11 * xi, f22 * eta) / slip * total / limit
+    force = 2 * limit / np.pi * (k_a * e / (1 + (k_a * e) ** 2) + np.arctan(k_s * e))
+    wide = 1 + 6.3 * (1 - np.exp(-a / b))
+    e_s = abs(8 / 3 * f23 / a / limit * far / wide)
+    d = (e_s**2 - 1) / (e_s**2 + 1)
+    k_m = e_s * (d**3 / 3 - d**2 / 2 + 1 / 6) - np.sqrt((1 - d**2) ** 3) / 3
+    spin = 9 / 16 * a * limit * k_m * wide * phi / total
+    left = -spin / (f23 * phi) if phi else 0.0
+    return np.array([-force * xi / total, -force * eta / total + spin, left * (f23 * eta - f33 * phi)])
+
+
+def fastsim_forces(n, a, b, f, limit, creepage):
+    """Tx, Ty, Mz of Kalker (1982) in SI units, n strips of n elements; the bound is its mean over an element."""
+    f11, f22, f23, _ = f
+    xi, eta, phi = creepage
+    flexible = 8 * a**2 * b / 3 / np.array([f11, f22]), np.pi * a**3 * b / 4 / f23  # L1, L2; L3 [m/Pa]
+    y = -b + (np.arange(n) + 0.5) * 2 * b / n
+    edge = a * np.sqrt(1 - (y / b) ** 2)
+    dx = 2 * edge / n
+    pressure = 2 * limit / (np.pi * a * b)
+    p, found = np.zeros((2, n)), np.zeros(3)
+    for j in range(n):
+        ahead, x = (edge, edge - dx / 2) if j == 0 else (edge - (j - 0.5) * dx, edge - (j + 0.5) * dx)
+        middle = (ahead + x) / 2
+        turn_x, turn_y = -phi * y / flexible[1], phi * middle / flexible[1]
+        slope = np.array([xi / flexible[0][0] + turn_x, eta / flexible[0][1] + turn_y])
+        p = p - slope * (ahead - x)
+        bound = pressure * (1 - (y / b) ** 2 - (x**2 + dx**2 / 12) / a**2)
+        size = np.hypot(*p)
+        p = np.where(size > bound, p * bound / np.where(size > 0, size, 1), p)
+        found += np.sum(np.array([p[0], p[1], x * p[1] - y * p[0]]) * dx * 2 * b / n, axis=1)
+    return found
+
+
 # --- Track and bodies, from their definitions ---
 
 

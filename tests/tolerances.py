@@ -32,6 +32,13 @@ CREEP_AGAINST_CONTACT = {
 }
 CREEP_SIZE_SMOOTH = 0.04  # Shen's cubic against the full solution; measured 0.036 at a : b = 1 : 2
 
+CREEP_TWIN = 1e-10  # sums over 500 elements, differences of nearly equal terms of Polach's K_M
+CREEP_TABLE_MEAN, CREEP_TABLE_MAX = 0.015, 0.06  # of the limit, spin beyond that of a flange; measured 0.010, 0.045
+CREEP_BOUND = 5e-3  # of the limit: FASTSIM sums a pressure over 10 strips; measured 1.5e-3
+CREEP_TANGENT = 1e-3  # of the limit: differences over 1e-6 of a creepage, and elements that begin to slip within them
+CREEP_LINEAR = 8e-3  # of the limit: ten strips of FASTSIM; measured 6.6e-3
+CREEP_POWER = 1e-9  # of friction limit times creepage: no power is gained
+
 # --- Profiles (lengths in m) ---
 PROFILE_GRID = 1e-12  # a solved crossing: rounding of coordinates below 0.2 m
 PROFILE_CURVE = 1e-10  # cubic pieces 0.25 mm long between points rounded to 1e-12 m; measured 1.4e-11

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from railcli.kernels.layout import Data
+from railcli.kernels.layout import Creep, Data
 from railcli.kernels.stages import Stage, repeat
 from railcli.kernels.step import evaluate
 
@@ -11,6 +11,7 @@ from . import numpy_twin
 TWIN = 1e-9  # demanded of both twins; rounding in stretches of stiff springs leaves 3e-12
 STATES = 12
 HALF_STEP = 0.25e-3  # [s]
+LAWS = (Creep.HARD, Creep.SMOOTH)  # that the twins know; the others have twins of their own in the tests
 RESULTS = {  # what a stage fills, and in which order the stages need each other
     Stage.SUSPENSION: ("frame", "damper_rate"),
     Stage.CONTACT: ("contact", "rail"),

@@ -26,6 +26,7 @@ from railcli.files.scenario import load  # noqa: E402
 from railcli.files.tables import tables_for  # noqa: E402
 from railcli.kernels.stages import Stage, repeat  # noqa: E402
 from railcli.model.contact_table import TableSettings  # noqa: E402
+from railcli.model.submodels import CREEP_LAWS  # noqa: E402
 from railcli.model.system import assemble  # noqa: E402
 from railcli.runtime import timing  # noqa: E402
 
@@ -92,6 +93,27 @@ def stage_times(course, runners):
     for _ in range(ROUNDS):
         for name, run, stage in tasks:
             found[name][stage].append(lasts(run, stage, times[name, stage]))
+    return found
+
+
+def law_times(course, scenario, tables):
+    """Processor time of one pass [ns] of the creep stage with each creep law at the kept state, over ROUNDS in turn."""
+    run, data = repeat.compiled(), course.data
+    models = {law: assemble(scenario.varied(contact={"creep_law": law}), tables).model for law in CREEP_LAWS}
+    models["fastsim, 50"] = assemble(
+        scenario.varied(contact={"creep_law": "fastsim", "fastsim_grid": 50}), tables
+    ).model  # fmt: skip
+
+    def lasts(model, times):
+        course.rewind()
+        course.check(run(model, data, Stage.CREEP, 1))
+        return cpu_ns(lambda: run(model, data, Stage.CREEP, times)) / times
+
+    count = {law: round(PASS / lasts(model, 20)) for law, model in models.items()}
+    found = {law: [] for law in models}
+    for _ in range(ROUNDS):
+        for law, model in models.items():
+            found[law].append(lasts(model, count[law]))
     return found
 
 
@@ -167,6 +189,7 @@ def measure(folder, say):
     say("stages ...")
     with timing.undisturbed():
         times, slow = stage_times(course, runners), numpy_times(course)
+        laws = law_times(course, scenario, tables)
     core = times["core"]
     found["patches"] = course.patches.tolist()
     found["step_ms"] = course.step * 1e3
@@ -181,6 +204,14 @@ def measure(folder, say):
         "suspension": ratio(slow["suspension"], core[Stage.SUSPENSION]),
         "contact_and_creep": ratio(slow["contact_and_creep"], both),
     }
+    patches = sum(found["patches"])
+    first = laws[scenario.contact.creep_law]
+    found["creep_law_ns_per_contact"] = {law: figures(values, 1.0 / patches) for law, values in laws.items()}
+    found["step_over_first_law"] = {
+        law: {key: 1.0 + (value - figures(first)[key]) / figures(core[Stage.STEP])[key]
+              for key, value in figures(values).items()}
+        for law, values in laws.items()
+    }  # fmt: skip
     say("table build ...")
     found["table_build"] = table_build()
     say("start-up ...")
@@ -212,6 +243,11 @@ def table_text(found):
         rows += [line(f"{name}: core over C", value, "") for name, value in found["ratio_to_c"].items()]
     rows += [line(f"{name} in NumPy", value, "us", 0) for name, value in found["numpy_us"].items()]
     rows += [line(f"{name}: NumPy over core", value, "", 0) for name, value in found["ratio_of_numpy"].items()]
+    rows += [
+        line(f"creep stage per contact, {law}", value, "ns", 0)
+        for law, value in found["creep_law_ns_per_contact"].items()
+    ]
+    rows += [line(f"step over the default's, {law}", value, "") for law, value in found["step_over_first_law"].items()]
     build, start = found["table_build"], found["start_s"]
     rows += [
         f"contact table: {build['positions']:,} positions in {build['cpu_s']:.2f} s, {build['positions_per_s']:,.0f}/s",

@@ -6,7 +6,7 @@ mirrored: lateral position, roll and yaw change sign, and so does the slope that
 
 from math import atan, isfinite, sqrt
 
-from .creep import forces_and_jacobian
+from .creep import falling_friction, tangential
 from .jit import kernel
 from .kalker import stiffness
 from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Press, Status
@@ -365,10 +365,24 @@ def slip(model, data):
             eta = (dot(across, v) + dot(arm_t, omega)) * per_speed
             phi = dot(normal, omega) * per_speed
             n = contact["normal"]
-            tx, tt, mz, xx, xe, xp, ex, ee, ep, px, pe, pp = forces_and_jacobian(
-                param["creep_law"], contact["f11"], contact["f22"], contact["f23"], contact["f33"],
-                wheel["friction"] * n, xi, eta, phi,
-            )
+            friction, fall = wheel["friction"], 0.0
+            slid = sqrt(xi * xi + eta * eta)
+            if param["friction_decay"] > 0.0:
+                friction, fall = falling_friction(
+                    param["friction_ratio"], param["friction_decay"], friction, slid / per_speed
+                )
+            limit = friction * n
+            tx, tt, mz, xx, xe, xp, ex, ee, ep, px, pe, pp = tangential(
+                param, model.creep, contact["semi_x"], contact["semi_y"],
+                contact["f11"], contact["f22"], contact["f23"], contact["f33"], limit, xi, eta, phi,
+            )  # fmt: skip
+            if fall < 0.0 and slid > 0.0 and limit > 0.0:
+                share = fall * n / (per_speed * slid * limit)  # of d limit / d slip, over the limit
+                rx, rt = tx - xx * xi - xe * eta - xp * phi, tt - ex * xi - ee * eta - ep * phi
+                rz = mz - px * xi - pe * eta - pp * phi
+                xx, xe = xx + rx * share * xi, xe + rx * share * eta
+                ex, ee = ex + rt * share * xi, ee + rt * share * eta
+                px, pe = px + rz * share * xi, pe + rz * share * eta
             contact["xi"], contact["eta"], contact["phi"] = xi, eta, phi
             contact["creep_x"], contact["creep_t"], contact["spin_moment"] = tx, tt, mz
             here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))

@@ -1,4 +1,4 @@
-"""Creep forces: Kalker's linear law, saturated at the friction limit.
+"""Creep forces: the switch between the laws; Kalker's linear law, saturated by one factor; falling friction.
 
 Contact axes: x along the rail in the rolling direction, n the rail's normal pointing into the rail, t = n x x; the
 same right-handed axes on both wheels. Creepages xi, eta are the slip of the wheel over the rail along x and t,
@@ -11,6 +11,7 @@ the slip, and a spin moment remains where the true one vanishes.
 
 import math
 
+from . import creep_table, fastsim, polach
 from .jit import kernel
 from .layout import Creep
 
@@ -114,3 +115,69 @@ def forces_and_jacobian(law, f11, f22, f23, f33, limit, xi, eta, phi):
         factor_eta * m + factor * f23,
         factor_phi * m - factor * f33,
     )
+
+
+@kernel
+def tangential(param, table, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
+    """Creep force and spin moment on the wheel by the law of `param`, with their derivatives at constant limit.
+
+    Every law is homogeneous: creepages and limit times c give c times force and moment.
+
+    Parameters
+    ----------
+    param : PARAM
+        Its `creep_law` and the settings of the laws.
+    table : array (n, 4)
+        `creep_table.tabulate`; empty for the other laws.
+    a, b : float
+        Semi-axes along the rail and across [m].
+    f11, f22, f23, f33 : float
+        Linear coefficients [N, N, N m, N m^2].
+    limit : float
+        Friction times normal force [N]; no force unless positive.
+    xi, eta, phi : float
+        Longitudinal, lateral [-] and spin [1/m] creepage.
+
+    Returns
+    -------
+    tuple of 12 float
+        tx, ty [N], mz [N m]; then the rows of their derivatives, columns xi, eta, phi.
+    """
+    law = param["creep_law"]
+    if law == Creep.HARD or law == Creep.SMOOTH or limit <= 0.0:
+        return forces_and_jacobian(law, f11, f22, f23, f33, limit, xi, eta, phi)
+    if law == Creep.POLACH:
+        return polach.forces_and_jacobian(
+            param["adhesion_reduction"], param["slip_reduction"], a, b, f11, f22, f23, f33, limit, xi, eta, phi
+        )
+    ux, uy, wa = fastsim.scaled_creepages(f11, f22, f23, limit, xi, eta, phi)
+    if law == Creep.FASTSIM:
+        found = fastsim.rolling(ux, uy, wa, b / a, param["fastsim_grid"])
+    else:
+        found = creep_table.integrals(table, ux, uy, wa, b / a)
+    return fastsim.on_ellipse(found, a, b, f11, f22, f23, limit)
+
+
+@kernel
+def falling_friction(ratio, decay, friction, speed):
+    """Coefficient of friction at a slip velocity, and its slope.
+
+    mu = mu0 ((1 - A) exp(-B w) + A), Polach (2005), Wear 258, 992-1000. A large B gives two levels: mu0 in adhesion,
+    A mu0 in slip.
+
+    Parameters
+    ----------
+    ratio, decay : float
+        A = friction at infinite over that at zero slip velocity [-], B [s/m].
+    friction : float
+        mu0 [-]
+    speed : float
+        Magnitude w of the slip velocity at the middle of the patch, without spin [m/s].
+
+    Returns
+    -------
+    mu, slope : float
+        [-], [s/m]
+    """
+    fallen = friction * (1.0 - ratio) * math.exp(-decay * speed)
+    return friction * ratio + fallen, -decay * fallen

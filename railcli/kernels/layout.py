@@ -48,10 +48,13 @@ class Axes(IntEnum):
 
 
 class Creep(IntEnum):
-    """Saturation of the linear creep force."""
+    """Laws of the creep force."""
 
-    HARD = 0
-    SMOOTH = 1
+    HARD = 0  # linear, one factor: cut off at the friction limit
+    SMOOTH = 1  # linear, one factor: bent towards the limit
+    POLACH = 2
+    FASTSIM = 3
+    TABLE = 4  # FASTSIM, tabulated
 
 
 PARAM = np.dtype(
@@ -63,6 +66,11 @@ PARAM = np.dtype(
         ("hold", "f8"),  # force per speed error on the first body, along its track tangent [N s/m]
         ("creep_law", "i8"),  # Creep
         ("creep_speed", "f8"),  # creepages are divided by at least this speed [m/s]
+        ("fastsim_grid", "i8"),  # strips of a patch, and elements of a strip
+        ("adhesion_reduction", "f8"),  # k_A of Polach's law [-]
+        ("slip_reduction", "f8"),  # k_S of Polach's law [-]
+        ("friction_ratio", "f8"),  # A: friction at infinite over that at zero slip velocity [-]
+        ("friction_decay", "f8"),  # B: how fast friction falls with slip velocity; 0: it does not [s/m]
         ("damping", "f8"),  # k2 / k1 of the normal force (theory.md) [(s/m)^g2]
         ("damping_rate_power", "f8"),  # g2 [-]
         ("damping_depth_power", "f8"),  # g3 [-]
@@ -277,6 +285,7 @@ class Model(NamedTuple):
     node: np.ndarray  # (n_node, NODE_CHANNELS); behind a table's nodes their patches, if any
     cell: np.ndarray  # (n_cell + 1,) first branch of each cell
     branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
+    creep: np.ndarray  # (n, 4) creep_table.tabulate; empty unless the creep law needs it
 
 
 class Data(NamedTuple):
@@ -326,6 +335,7 @@ MODEL_TYPE = types.NamedTuple(
         constant(np.float64, 2),
         constant(np.int32),
         constant(np.int32, 2),
+        constant(np.float64, 2),
     ),
     Model,
 )

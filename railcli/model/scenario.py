@@ -5,7 +5,7 @@ import json
 import math
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field, Strict, model_validator
 
 from .checks import Description, Name, NotNegative, Positive, Real, Text, one_of
 from .profile import TAPE_TO_BACK
@@ -14,6 +14,7 @@ from .track import MARGIN, Track
 from .vehicle import Vehicle
 
 STEEPEST_INCLINATION = 5.0  # 1 in ...
+OF_ONE_LAW = {"adhesion_reduction": "polach", "slip_reduction": "polach", "fastsim_grid": "fastsim"}
 
 
 class Run(Description):
@@ -55,6 +56,11 @@ class Contact(Description):
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
     creep_law: one_of(CREEP_LAWS) = "hard"
+    friction_ratio: Annotated[Positive, Field(le=1.0)] = 1.0  # at infinite over that at zero slip velocity
+    friction_decay: Annotated[NotNegative, Field(le=1000.0)] = Field(0.0, alias="friction_decay_s_per_m")
+    adhesion_reduction: Annotated[Positive, Field(le=1.0)] = 1.0  # k_A, k_S of Polach's law
+    slip_reduction: Annotated[Positive, Field(le=1.0)] = 1.0
+    fastsim_grid: Annotated[int, Strict(), Field(ge=10, le=50)] = 10  # strips of a patch, elements of a strip
     table: Name | None = None  # file of a contact table already built
     young: Positive = Field(210e9, alias="young_Pa")
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
@@ -68,6 +74,20 @@ class Contact(Description):
             raise ValueError(
                 f"inclination means 1 in ...: must be 0 (upright) or >= {STEEPEST_INCLINATION:g}, "
                 f"got {self.inclination:g}"
+            )
+        for key, law in OF_ONE_LAW.items():
+            if key in self.model_fields_set and self.creep_law != law:
+                raise ValueError(f"{key} belongs to creep_law {law!r}, got creep_law {self.creep_law!r}")
+        if self.slip_reduction > self.adhesion_reduction:
+            raise ValueError(
+                f"slip_reduction must be at most adhesion_reduction, got {self.slip_reduction:g} and "
+                f"{self.adhesion_reduction:g}"
+            )
+        if (self.friction_ratio < 1.0) != (self.friction_decay > 0.0):
+            raise ValueError(
+                "friction falls from friction to friction_ratio times it as exp(-friction_decay_s_per_m times slip "
+                "velocity): give both (a ratio below 1 and a decay above 0) or neither, "
+                f"got {self.friction_ratio:g} and {self.friction_decay:g} s/m"
             )
         if self.flange_back >= self.gauge:
             raise ValueError(

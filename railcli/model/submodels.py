@@ -27,6 +27,21 @@ CREEP_LAWS = {
         "linear creep force, bent towards the limit by a cubic law, spin in the resultant",
         "Shen, Hedrick and Elkins (1983), 8th IAVSD symposium, 591-605",
     ),
+    "polach": Choice(
+        Creep.POLACH,
+        "closed form of the slip, with a force of spin; meant for traction and braking on the tread",
+        "Polach (1999), Vehicle System Dynamics 33 (supplement), 728-739; reduction factors (2005), Wear 258, 992-1000",
+    ),
+    "fastsim": Choice(
+        Creep.FASTSIM,
+        "simplified theory, integrated over the patch at every step; slow",
+        "Kalker (1982), Vehicle System Dynamics 11, 1-13, parabolic bound, three flexibilities",
+    ),
+    "table": Choice(
+        Creep.TABLE,
+        "the simplified theory from a table; recommended",
+        "as fastsim, extrapolated to elements of no length",
+    ),
 }
 
 NORMAL_LAWS = {  # value: whether the contact table holds patches

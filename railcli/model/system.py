@@ -1,10 +1,12 @@
 """A scenario and its contact tables, packed once into the read-only arrays of the core."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from railcli.kernels.layout import PARAM, Model, freeze, new_data
+from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
+from railcli.kernels.layout import PARAM, Creep, Model, freeze, new_data
 
 from . import track as track_model
 from . import vehicle as vehicle_model
@@ -93,11 +95,19 @@ def parameters(scenario):
     param["hold"] = min(HOLD, HOLD_SHARE * scenario.vehicle.bodies[0].mass / scenario.run.step)
     param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
     param["creep_speed"] = CREEP_SPEED
+    for key in ("friction_ratio", "friction_decay", "adhesion_reduction", "slip_reduction", "fastsim_grid"):
+        param[key] = getattr(scenario.contact, key)
     param["damping"] = scenario.contact.damping
     param["damping_rate_power"] = 1.0
     param["damping_depth_power"] = 1.5
     param["derail_lift"] = DERAIL_LIFT
     return param
+
+
+@cache
+def creep_table(law):
+    """What a creep law needs beside the contact tables; the same for all ellipses, materials and friction."""
+    return tabulate(GRID) if CREEP_LAWS[law].value == Creep.TABLE else np.zeros((0, CHANNELS))
 
 
 def assemble(scenario, tables):
@@ -129,6 +139,7 @@ def assemble(scenario, tables):
         node=node,
         cell=cell,
         branch=branch,
+        creep=creep_table(scenario.contact.creep_law),
     )
     return System(
         model=freeze(model),

@@ -1,4 +1,6 @@
-"""Saturated creep forces against CONTACT's full solution; origin and signs in tests/data/contact/SOURCE.md.
+"""Creep laws of one factor against CONTACT's full solution; origin and signs in tests/data/contact/SOURCE.md.
+
+`test_contact_benchmark.py` puts every law through the same states.
 
 CONTACT lists slip of rail over wheel and the force on the rail; with all signs flipped the law keeps its form.
 """
@@ -34,7 +36,7 @@ def deviations(law, rows):
     return np.hypot(*(found - full)[:, :2].T), abs(found - full)[:, 2], size
 
 
-@pytest.mark.parametrize("law", list(Creep), ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [Creep.HARD, Creep.SMOOTH], ids=lambda law: law.name)
 @pytest.mark.parametrize("state", STATES)
 def test_creep_force(law, state):
     force, moment, _ = deviations(law, ROWS[abs(ROWS.phi_per_mm).isin(STATES[state])])

@@ -11,6 +11,7 @@ from railcli.analysis.equilibrium import touching_depth
 from railcli.kernels.contact import elastic_share, look_up
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, Node, Status
 from railcli.kernels.step import evaluate
+from railcli.model.submodels import CREEP_LAWS
 
 PRESSED = 60e-6  # beyond first touch: about a wheel load of 60 kN [m]
 
@@ -147,11 +148,12 @@ def test_spin_gives_no_approach(table):
     assert_allclose(still.contact["normal"], spinning.contact["normal"], rtol=tol.MIRROR)
 
 
-@pytest.mark.parametrize("law", [0, 1], ids=["hard", "smooth"])
-def test_creep_damping_is_the_slope_of_the_loads(table, law):
+@pytest.mark.parametrize("falling", [{}, {"friction_ratio": 0.4, "friction_decay": 20.0}], ids=["", "falling"])
+@pytest.mark.parametrize("law", CREEP_LAWS)
+def test_creep_damping_is_the_slope_of_the_loads(table, law, falling):
     """data.creep_damping = -d load / d v of the creep forces, at constant normal forces and speed, by differences."""
     speed = 20.0
-    system = scenes.tuned(scenes.lone_wheelset(table, speed), creep_law=law, damping=0.0)
+    system = scenes.lone_wheelset(table, speed, creep_law=law, damping=0.0, **falling)
     smooth = scenes.edited(system, "wheel", friction=0.0)
     q = pressed(system, (6.0e-3, 0.0, 1.0e-3))
     v = np.array([speed, 0.01, 0.0, 0.0, -speed / table.settings.radius * 1.0005, 0.005])

@@ -1,4 +1,4 @@
-"""The creep law: its limits, symmetries and derivatives."""
+"""Creep laws of one factor on the linear force: their limits, symmetries and derivatives."""
 
 import math
 
@@ -14,7 +14,7 @@ from railcli.kernels.layout import Creep
 F11, F22, F23, F33 = 8.1e6, 7.3e6, 1.4e4, 31.0  # of a wheel under 80 kN
 LINEAR = np.array([[F11, 0, 0], [0, F22, F23], [0, -F23, F33]])
 LIMIT = 24e3
-LAWS = pytest.mark.parametrize("law", list(Creep), ids=lambda law: law.name)
+LAWS = pytest.mark.parametrize("law", [Creep.HARD, Creep.SMOOTH], ids=lambda law: law.name)
 SMALL, TYPICAL, LARGE = 1e-5, 1e-3, 3e-2
 
 

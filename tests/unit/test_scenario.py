@@ -353,7 +353,7 @@ def test_documented_defaults_of_scenarios():
                     told = told * unit.times / unit.over if unit else told
                     assert told == pytest.approx(field.default, rel=tol.ROUNDING), key
                     checked += 1
-    assert checked == 14
+    assert checked == 18
 
 
 def test_documented_example_loads(load_text):
