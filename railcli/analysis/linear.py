@@ -10,7 +10,7 @@ import numpy as np
 from scipy import linalg
 
 from railcli.errors import SimulationError
-from railcli.kernels.layout import Kind, freeze
+from railcli.kernels.layout import Kind, Status, freeze
 from railcli.kernels.step import evaluate
 from railcli.model.track import Straight, Track, pack
 
@@ -155,7 +155,8 @@ def _probe(model, data, array, place, step):
         array.flat[place] = rest + sign * step
         status = evaluate(model, data, 0.0)
         if status != 0:
-            raise SimulationError(f"the model cannot be linearised: status {status} at a distance of {step:g}")
+            reason = Status(status).name.lower().replace("_", " ")
+            raise SimulationError(f"the model cannot be linearised: {reason} within a difference step of {step:g}")
         sides.append(np.concatenate([data.rate.ravel(), data.dv.ravel(), data.damper_rate]))
     array.flat[place] = rest
     return (sides[0] - sides[1]) / (2.0 * step)

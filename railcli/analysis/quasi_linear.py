@@ -7,12 +7,12 @@ runs on it, and now it is smooth.
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import NODE_CHANNELS, Node
+from railcli.kernels.layout import NODE_CHANNELS, Creep, Node, freeze
 from railcli.kernels.tabulate import describe
 from railcli.model.contact_table import ContactTable, TableSettings
 from railcli.model.system import assemble, needed, table_settings
@@ -283,7 +283,9 @@ def quasi_linear_system(scenario, lines):
     -------
     System
     """
-    friction = 1.0 if scenario.contact.friction > 0.0 else 0.0  # it only limits creep forces
-    scenario = scenario.varied(contact={"creep_law": "hard", "friction": friction})
     settings = [table_settings(scenario, radius) for radius in _radii(scenario)]
-    return assemble(scenario, [linear_table(line, one) for line, one in zip(lines, settings, strict=True)])
+    system = assemble(scenario, [linear_table(line, one) for line, one in zip(lines, settings, strict=True)])
+    param, wheel = system.model.param.copy(), system.model.wheel.copy()
+    param["creep_law"], param["friction_ratio"], param["friction_decay"] = Creep.HARD, 1.0, 0.0
+    wheel["friction"] = np.where(wheel["friction"] > 0.0, 1.0, 0.0)  # only limits the creep force
+    return replace(system, model=freeze(system.model._replace(param=param, wheel=wheel)))

@@ -65,8 +65,8 @@ def report(scenario, lines, modes, change, shapes, everything):
     text += facts(
         [
             *contact_facts(lines),
-            ("states", f"{linear.matrix.shape[0]}, without the place along the track and the spin angles of {spins} "
-             f"wheelsets, on which nothing depends; {_free(modes.free)}"),
+            ("states", f"{linear.matrix.shape[0]}, without the place along the track and the spin angles of wheelsets "
+             f"({spins}), on which nothing depends; {_free(modes.free)}"),
             ("differences", f"{STEP[0]:.0e} m and rad, {STEP[6]:.0e} m/s and rad/s; twice that changes an eigenvalue "
              f"by {worst:.1e} at most"),
         ]
@@ -103,7 +103,9 @@ def report(scenario, lines, modes, change, shapes, everything):
 
 
 def _free(count):
-    return f"{count} motion{'s' if count != 1 else ''} that nothing holds left out (the running speed)"
+    if count == 1:
+        return "1 motion that nothing holds left out (the running speed)"
+    return f"{count} motions that nothing holds left out"
 
 
 def _words(shape):

@@ -65,7 +65,7 @@ def _panels(figure, scenario, linear, answers):
 
 
 def _accelerations(linear, answer, axis):
-    """Accelerations worth a line: the car body's centre, over what carries it, and the first bogie."""
+    """Accelerations worth a line: the car body's centre, over what carries it, and the first bogie or else wheelset."""
     system = linear.system
     of = groups(system.model)
     found = {}
@@ -74,6 +74,6 @@ def _accelerations(linear, answer, axis):
             found[f"{name}, centre"] = answer.acceleration[:, i, axis]
     for k, (body, below) in enumerate(carried(system.model)):
         found[f"{system.bodies[body]} over {system.bodies[below]}"] = answer.over_bogies[:, k, axis]
-    for i in np.flatnonzero(of == "bogie")[:1]:
+    for i in [*np.flatnonzero(of == "bogie"), *system.wheelsets][:1]:
         found[system.bodies[i]] = answer.acceleration[:, i, axis]
     return found

@@ -112,7 +112,8 @@ def as_json(scenario, lines, loci, cycles, threshold, provenance, files):
         "linear": [
             {
                 "contact": [one.as_dict() for one in line],
-                "critical_m_per_s": None if locus is None else locus.critical,
+                "critical_m_per_s": locus.critical if locus is not None and locus.critical > 0.0 else None,
+                "critical": critical_text(locus),
                 "frequency_hz": None if locus is None else locus.frequency,
                 "mode": "beyond the flange" if locus is None else locus.mode,
                 "highest_m_per_s": None if locus is None else float(locus.speeds[-1]),

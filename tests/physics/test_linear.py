@@ -288,6 +288,14 @@ def test_eigenvalues_do_not_depend_on_the_step(quasi, found):
         assert np.abs(change / found.value).max() < tol.STEP_FREE
 
 
+def test_linear_contact_knows_no_limit_of_creep(profiles, quasi):
+    """Whatever law and friction a scenario has, quasi-linear contact is Kalker's linear theory."""
+    case, lines = line_at(40.0, 3e-3, profiles)
+    law = {"creep_law": "polach", "friction": 0.1, "slip_reduction": 0.5, "friction_ratio": 0.5, "friction_decay": 1.0}
+    other = quasi_linear_system(case.varied(run={"speed": 60.0}, contact=law), lines)
+    assert_allclose(linearise(other).matrix, linearise(quasi).matrix, rtol=0.0, atol=0.0)
+
+
 def test_left_and_right_eigenvectors(found):
     a = found.linear.matrix
     size = np.abs(a) @ np.abs(found.right).T
