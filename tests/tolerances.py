@@ -212,3 +212,10 @@ SHAPE_SLOPE = 2e-3  # per metre: central differences over 0.1 mm where curvature
 SAMPLED_SLOPE = 1e-6  # central differences over 5 mm of waves of 4 m
 MEASURED = 5e-8  # [m] a spline through sines sampled at 1/75 of their length; six decimals of mm
 WRITTEN = 1e-10  # [m] seven decimals of mm
+
+# --- Linear vertical model ---
+CLOSED_RESPONSE = 1e-8  # relative: the same equations solved in another order; contact forces are small differences
+LONG_WAVE = 2e-3  # relative: squares of 0.02 Hz over the car body's 1 Hz
+SAMPLED_RESPONSE = 0.01  # inputs run straight between samples: 3e-6 of the height, times the contact's stiffness
+MIRRORED_RUN = 1e-9  # [m] rounding, grown over 4 s; measured 2e-14
+FOLLOWED = 1.5e-3  # [m] a wheelset of low conicity stops within a part of its clearance
