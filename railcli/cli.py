@@ -11,6 +11,7 @@ from railcli.commands.contact import contact
 from railcli.commands.profile import profile
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
+from railcli.commands.track import track
 from railcli.commands.validate import validate
 from railcli.errors import RailcliError
 
@@ -79,5 +80,5 @@ def main(debug):
     """Railway vehicle dynamics in real time: contact tables, runs, benchmarks, validation."""
 
 
-for _command in (profile, build_lut, contact, conicity, run, rt_bench, validate):
+for _command in (profile, build_lut, contact, conicity, track, run, rt_bench, validate):
     main.add_command(_command)

@@ -219,3 +219,4 @@ LONG_WAVE = 2e-3  # relative: squares of 0.02 Hz over the car body's 1 Hz
 SAMPLED_RESPONSE = 0.01  # inputs run straight between samples: 3e-6 of the height, times the contact's stiffness
 MIRRORED_RUN = 1e-9  # [m] rounding, grown over 4 s; measured 2e-14
 FOLLOWED = 1.5e-3  # [m] a wheelset of low conicity stops within a part of its clearance
+DETRENDED = 0.01  # of an RMS: the straight line through a period takes up to 6 / pi^2 / 20^2 of it, 20 longest waves

@@ -150,10 +150,6 @@ class Disturbance:
     lateral: list
     rows: list
 
-    @property
-    def accepted(self):
-        return all(row[4] for row in self.rows if row[5])
-
 
 def _worst(found, wanted):
     return float((np.abs(found - wanted).max(axis=0) / np.abs(wanted).max(axis=0)).max())
@@ -298,10 +294,10 @@ def lateral(scenario, tables, shape, step):
     return Lateral(shape, traces[0], float(np.abs(traces[0].lateral + traces[1].lateral).max()))
 
 
-def judge(criteria, bumps, found, tables_step=STEPS[1]):
+def judge(criteria, bumps, found):
     """Every criterion as (name, found, limit, unit, met, counts for the verdict)."""
     limits = criteria["disturbance"]
-    halved = [bump for bump in bumps if bump.step == tables_step]
+    halved = [bump for bump in bumps if bump.step == STEPS[1]]
     rows = [
         (f"bump of {bump.length:g} m, wheel force", 100.0 * bump.force_error, limits["force_percent"])
         for bump in halved

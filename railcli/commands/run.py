@@ -112,7 +112,16 @@ def _run(case, with_figures, output, overwrite, quiet):
             if with_figures:
                 files += report.figures(case, main, folder)
         record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
+        lines = report.report(case, outcome, stretch, steady)
+        if case.irregularity:
+            from railcli.analysis.irregularity_spectrum import bands, of_scenario
+            from railcli.report import irregularity
+
+            rails = of_scenario(case)
+            rows = bands(rails)
+            record["irregularity"] = irregularity.as_json(rails, rows)
+            lines += ["", *irregularity.in_a_run(rails, rows)]
         record["folder"] = folder
         write_json(folder / "summary.json", record)
     written = f"Written to {folder}: {', '.join(files)}, summary.json"
-    return record, [*report.report(case, outcome, stretch, steady), "", written], outcome.fault
+    return record, [*lines, "", written], outcome.fault
