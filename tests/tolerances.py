@@ -292,3 +292,11 @@ SECTION_ENDS = 8e-3  # of an rms: a section of 10.2 periods ends within one, 1 /
 STEADY_END = 2e-3  # median of a section against the mean of the last 50 m, where the motion has settled to 1e-3
 ONE_ROW = 5e-3  # of a mean over 350 rows: sections weigh by length, rows of the file do not
 RECORD_END = 0.02  # of the amplitude: a high-pass of 0.4 Hz that started backwards 2 s ago with an error of a fifth
+
+# --- Linear vertical model ---
+CLOSED_RESPONSE = 1e-8  # relative: the same equations solved in another order; contact forces are small differences
+LONG_WAVE = 2e-3  # relative: squares of 0.02 Hz over the car body's 1 Hz
+SAMPLED_RESPONSE = 0.01  # inputs run straight between samples: 3e-6 of the height, times the contact's stiffness
+MIRRORED_RUN = 1e-9  # [m] rounding, grown over 4 s; measured 2e-14
+FOLLOWED = 1.5e-3  # [m] a wheelset of low conicity stops within a part of its clearance
+DETRENDED = 0.01  # of an RMS: the straight line through a period takes up to 6 / pi^2 / 20^2 of it, 20 longest waves

@@ -298,11 +298,6 @@ class Validation:
         ours = self.displacements(runs)
         return {reading: deviations(ours, *self.reference.read(reading)) for reading in READINGS}
 
-    @property
-    def accepted(self):
-        """True when every criterion that counts is met."""
-        return all(met for *_, met, counts in self.rows if counts)
-
 
 def balance_error(runs):
     """Largest error of the sums of Y and Q over runs [N]."""

@@ -2,7 +2,7 @@
 
 Written from the vehicle's description, not from the packed model: bodies move along x and z and pitch, wheelsets along
 x and z and spin; springs and dampers as they stand, dampers with series stiffness with their state, contact by its
-stiffness about rest, 1.5 N / p along z, and its damping (theory.md, section 12). Signs of the track frame: z down,
+stiffness about rest, 1.5 N / p along z, and its damping (docs/disturbance.md). Signs of the track frame: z down,
 pitch front up. All quantities are departures from rest on straight level track at constant speed.
 """
 
@@ -175,7 +175,7 @@ def _motion(vehicle, n, body, arm, direction):
 
 
 def _tilt(vehicle, n, place, axes):
-    """Stiffness per newton carried, from the turning of the spring's axes and ends (theory.md, 12.3)."""
+    """Stiffness per newton carried, from the turning of the spring's axes and ends (docs/disturbance.md)."""
     ahead = _motion(vehicle, n, place.upper, place.upper_arm, (1.0, 0.0))
     ahead -= _motion(vehicle, n, place.lower, place.lower_arm, (1.0, 0.0))
     upper, lower = np.zeros(n), np.zeros(n)

@@ -116,8 +116,16 @@ def _run(case, with_figures, with_assessment, output, overwrite, quiet):
             if with_figures:
                 files += report.figures(case, main, folder)
         record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
-        record["folder"] = folder
         lines = report.report(case, outcome, stretch, steady)
+        if case.irregularity:
+            from railcli.analysis.irregularity_spectrum import bands, of_scenario
+            from railcli.report import irregularity
+
+            rails = of_scenario(case)
+            rows = bands(rails)
+            record["irregularity"] = irregularity.as_json(rails, rows)
+            lines += ["", *irregularity.in_a_run(rails, rows)]
+        record["folder"] = folder
         if with_assessment and outcome.rows:
             record["assessment"], judged = _assessment(folder, outcome.fault)
             lines += ["", *judged]

@@ -1,13 +1,14 @@
-"""`railcli track`: alignments, drawn and judged."""
+"""`railcli track`: alignment and irregularity, drawn and judged before a run."""
 
 import click
 
 from .options import format_option, output_option, overwrite_option
+from .track_irregularity import irregularity
 
 
-@click.group(short_help="Draw and judge a track.")
+@click.group(short_help="Draw and judge a track: alignment, irregularity.")
 def track():
-    """Draw and judge a track."""
+    """Draw and judge a track before a run: its alignment, its irregularity."""
 
 
 @track.command("show", short_help="Draw an alignment and judge it by EN 13803.")
@@ -51,3 +52,6 @@ def show(source, speed, output, overwrite, output_format):
         click.echo(json_text({**report.summary(case.title, case, judged, speed), "figure": output}))
     else:
         click.echo("\n".join([*report.report(case.title, case, judged, speed), f"Figure: {output}"]))
+
+
+track.add_command(irregularity)

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from railcli.analysis.irregularity_spectrum import Record, check_band, evenly, target_of
 from railcli.errors import InputError
 from railcli.model.checks import hint
-from railcli.model.irregularity import LARGEST, Samples
+from railcli.model.irregularity import LARGEST, Samples, channels, rails
 from railcli.model.spectra import CHANNELS
 
 from .output import whole_file
@@ -46,7 +47,7 @@ def read(path):
     names, rows, lines = _table(path, text)
     position = rows[:, 0]
     _check_positions(path, position, lines)
-    channels = {}
+    found = {}
     for k, name in enumerate(names[1:], start=1):
         channel, _, unit = name.rpartition("_")
         values = rows[:, k] * UNITS[unit]
@@ -57,8 +58,8 @@ def read(path):
                 f"line {lines[worst]}: {name} is {rows[worst, k]:g}, which is {abs(values[worst]):g} m; at most "
                 f"{LARGEST:g} m can be meant: check the unit in the column's name",
             )
-        channels[channel] = values
-    return Samples(position, channels, hashlib.sha256(text.encode()).hexdigest())
+        found[channel] = values
+    return Samples(position, found, hashlib.sha256(text.encode()).hexdigest())
 
 
 def write(path, position, moved, comments=()):
@@ -70,6 +71,24 @@ def write(path, position, moved, comments=()):
             file.write(f"# {comment}\n")
         file.write(",".join(["position_m", *(f"{name}_mm" for name in WRITTEN)]) + "\n")
         np.savetxt(file, np.column_stack([position, columns.T]), fmt=["%.6f", *["%.7f"] * 4], delimiter=",")
+
+
+def measured(path, target=None):
+    """Record of a measured file, beside a Spectrum if one is given as its target."""
+    samples = read(path)
+    position, found = evenly(samples.position, channels(rails(samples.channels, 1.0), 1.0))
+    if target is not None:
+        spacing, length = float(np.diff(position).mean()), float(position[-1] - position[0])
+        check_band(path, target.shortest, target.longest, spacing, length)
+    targets = [] if target is None else [target_of(target)]
+    return Record(Path(path).name, position, found, targets, float(position[0]))
+
+
+def write_and_compare(path, record):
+    """Write a Record, read it back; returns the largest difference of a channel [m]."""
+    write(path, record.position, rails(record.channels, 1.0), [record.title, "heights up, lateral to the right"])
+    again = channels(rails(read(path).channels, 1.0), 1.0)
+    return float(max(np.abs(again[name] - record.channels[name]).max() for name in CHANNELS))
 
 
 def _table(path, text):

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicSpline
 
 from .checks import Description, Name, NotNegative, Positive, Real, one_of
 from .spectra import CHANNELS, SAMPLES_PER_WAVE, SPECTRA, realise
@@ -152,12 +152,7 @@ class Spectrum(Stretch):
         value, slope = {}, {}
         for name in self.channels:
             series = self.series(name, course.track_end - begin)
-            place = series.spacing * np.arange(series.value.size + 1)
-            curve = CubicHermiteSpline(
-                place, np.append(series.value, series.value[0]), np.append(series.slope, series.slope[0])
-            )
-            u = np.clip(s - begin, 0.0, place[-1])
-            value[name], slope[name] = curve(u), curve(u, 1)
+            value[name], slope[name] = series.at(np.maximum(s - begin, 0.0))
         return _faded(rails(value, course.level), rails(slope, course.level), s, begin, self.fade)
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len
+from scipy.interpolate import CubicHermiteSpline
 
 CHANNELS = ("vertical", "alignment", "cross_level", "gauge")
 LEVEL_BASE = 1.5  # distance over which the spectra's cross-level is measured [m]
@@ -105,6 +106,14 @@ class Series(NamedTuple):
     spacing: float  # [m]
     value: np.ndarray  # [m]
     slope: np.ndarray  # [-]
+
+    def at(self, place):
+        """Values and slopes at places (n,) [m], periodic."""
+        count = self.value.size
+        knots = self.spacing * np.arange(count + 1)
+        curve = CubicHermiteSpline(knots, np.append(self.value, self.value[0]), np.append(self.slope, self.slope[0]))
+        place = np.mod(place, knots[-1])
+        return curve(place), curve(place, 1)
 
 
 def realise(density, shortest, longest, length, seed, channel, sides="one", spacing=None):

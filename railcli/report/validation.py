@@ -12,6 +12,7 @@ READING_TEXT = {
     "exchanged": "rows 45 and 15 m/s exchanged, all outwards",
     "trailing_inside": "as printed, W2 and W4 towards the inner rail",
 }
+FIGURES = ("displacements", "friction", "forces")
 SEMI_WHEELBASE = 1.28  # of the Manchester bogies, for the geometry of the readings [m]
 SHOWN_FRICTION = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 
@@ -76,17 +77,12 @@ def as_json(scenario, result, provenance):
     best, low, high, at_bound = result.friction
     supported = result.reference.read(SUPPORTED)
     return {
-        "verdict": "accepted" if result.accepted else "rejected",
         "cells": cells(result),
         "readings": result.readings(),
         "readings_identified": result.readings(result.identified),
         "supported_reading": SUPPORTED,
         "balance": balances(result.nominal),
         "balance_identified": balances(result.identified),
-        "criteria": [
-            {"name": name, "found": found, "limit": limit, "unit": unit, "met": met, "counts": counts}
-            for name, found, limit, unit, met, counts in result.rows
-        ],
         "assumptions": {what: value for what, value in assumptions(scenario, result)},
         "identified_friction": {"value": best, "low": low, "high": high, "at_bound": at_bound},
         "variants": {
@@ -256,11 +252,11 @@ def _moved(name, moved, reference):
     return (name, *places, *(f"{scores[key]:.2f}" for key in ("rms_simulink_mm", "rms_adams_mm", "max_mm")))
 
 
-def criteria_text(result):
+def criteria_text(rows):
     """Every criterion with what was found."""
     rows = [
         (name, f"{found:.3f}", f"{limit:g} {unit}", "met" if met else "NOT MET", "verdict" if counts else "shown")
-        for name, found, limit, unit, met, counts in result.rows
+        for name, found, limit, unit, met, counts in rows
     ]
     return columns(rows, ("criterion", "found", "limit", "", ""))
 
@@ -279,8 +275,16 @@ def report(scenario, result, sensitivity):
     ]  # fmt: skip
     if sensitivity:
         sections.append(("Sensitivity to friction (quasi-static)", sensitivity_text(result)))
-    sections.append(("Criteria", criteria_text(result)))
+    sections.append(("Criteria", []))
     return sections
+
+
+def judged(record, sections, rows):
+    """Write criteria and verdict into the record and the last section."""
+    keys = ("name", "found", "limit", "unit", "met", "counts")
+    record["criteria"] = [dict(zip(keys, row, strict=True)) for row in rows]
+    record["verdict"] = "accepted" if all(row[4] for row in rows if row[5]) else "rejected"
+    sections[-1] = ("Criteria", criteria_text(rows))
 
 
 def figures(result, folder):
@@ -369,15 +373,15 @@ def terminal(sections, record):
     return "\n".join([*lines, "", verdict_line(record)])
 
 
-def markdown(sections, record, figures=True):
-    """The report as validation.md."""
+def markdown(sections, record, figures=FIGURES):
+    """The report as validation.md; figures : names of those that stand beside it."""
     origin = record["provenance"]
     lines = ["# Manchester passenger wagon: the published curve", "", f"**{verdict_line(record)}**"]
     for title, body in sections:
         lines += ["", f"## {title}", "", "```text", *body, "```"]
     if figures:
         lines += ["", "## Figures", ""]
-        lines += [f"![{name}]({name}.png)" for name in ("displacements", "friction", "forces")]
+        lines += [f"![{name}]({name}.png)" for name in figures]
     versions = ", ".join(f"{name} {origin[name]}" for name in ("railcli", "kernels", "python", "numpy", "numba"))
     lines += ["", "## Origin", "", f"{versions}, {origin['cpu']}, {origin['date']}"]
     return "\n".join(lines) + "\n"

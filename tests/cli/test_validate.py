@@ -8,10 +8,11 @@ import pytest
 import tolerances as tol
 from click.testing import CliRunner
 
-from railcli.analysis import validate
+from railcli.analysis import disturbance, validate
 from railcli.analysis.validate import READINGS, Curving, Scan, Validation, deviations
 from railcli.cli import main
 from railcli.files import benchmark
+from railcli.report import disturbance as report
 
 FILES = {"validation.md", "validation.json", "validation.csv"}
 FIGURES = {"displacements.png", "friction.png", "forces.png"}
@@ -138,8 +139,8 @@ def test_whole_comparison(tmp_path, monkeypatch):
     columns = list(csv.DictReader((folder / "validation.csv").read_text(encoding="utf-8").splitlines()))
     for row, cell in zip(columns, record["cells"], strict=True):
         assert {key: float(value) for key, value in row.items()} == pytest.approx(cell, rel=tol.SIX_DIGITS)
-    report = (folder / "validation.md").read_text(encoding="utf-8")
-    assert "Verdict: accepted" in report and "rows 45 and 15 m/s exchanged" in report
+    text = (folder / "validation.md").read_text(encoding="utf-8")
+    assert "Verdict: accepted" in text and "rows 45 and 15 m/s exchanged" in text
 
 
 def test_arithmetic_of_an_invented_comparison(quick, tmp_path):
@@ -147,6 +148,61 @@ def test_arithmetic_of_an_invented_comparison(quick, tmp_path):
     check_cells(record)
     check_balances(record)
     check_criteria(record)
+
+
+def quiet_trace(n, wheels=8, bodies=7):
+    time = np.linspace(0.0, 1.0, n)
+    zeros = np.zeros((n, wheels))
+    return disturbance.Trace(time, zeros + 5e4, zeros, np.zeros((n, bodies, 3)), np.zeros((n, bodies)), zeros + 1.0)
+
+
+def disturbed(force_error):
+    """A comparison of disturbances whose wheel forces differ by a given share."""
+
+    def compare(scenario, tables, criteria, progress):
+        progress(0.5, "half")
+        time = np.linspace(0.0, 1.0, 50)
+        wave = np.sin(20.0 * time)
+        force = 1e3 * np.repeat(wave[:, None], 4, axis=1)
+        bumps = [
+            disturbance.SmallBump(3.0, 3e-4, step, time, (1.0 + force_error) * force, force, wave, wave, 0.02)
+            for step in disturbance.STEPS
+        ]
+        f = np.array([1.0, 10.0, 100.0])
+        response = np.array([[1e6 + 1e5j] * 4] * 3)
+        found = disturbance.Waves(f, response, response, response[:, 0], response[:, 0], f, np.ones((3, 5)))
+        large = [
+            disturbance.LargeBump(height, time, force[:, 0], force[:, 0], 0.0, 1e3, 0.1, 0.1)
+            for height in disturbance.LARGE
+        ]
+        aside = [disturbance.Lateral(shape, quiet_trace(50), 0.0) for shape in disturbance.LATERAL]
+        rows = disturbance.judge(criteria, bumps, found)
+        return disturbance.Disturbance(5e4, bumps, found, large, aside, rows)
+
+    return compare
+
+
+def test_disturbance_is_reported_with_the_rest(quick, monkeypatch, tmp_path):
+    """Sections, figures, JSON and criteria stand beside those of the curve."""
+    monkeypatch.setattr(disturbance, "compare_disturbance", disturbed(0.002))
+    folder = tmp_path / "out"
+    result = run("--disturbance", "-o", folder)
+    assert result.exit_code == 0, result.stderr
+    assert names(folder) == FILES | FIGURES | {f"{name}.png" for name in report.FIGURES}
+    assert "Verdict: accepted (8 of 8" in result.stdout and "against the linear vertical model" in result.stdout
+    record = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
+    check_criteria(record)
+    assert record["disturbance"]["small_bumps"][0]["force_error"] == pytest.approx(0.002)
+    assert "(disturbance-lift.png)" in (folder / "validation.md").read_text(encoding="utf-8")
+
+
+def test_disturbance_counts_for_the_verdict(quick, monkeypatch, tmp_path):
+    """A wheel force 2 % off rejects, with exit code 4; without the option it is not asked."""
+    monkeypatch.setattr(disturbance, "compare_disturbance", disturbed(0.02))
+    result = run("--disturbance", "--no-figures", "-o", tmp_path / "out")
+    assert result.exit_code == 4
+    assert "disturbance: bump of 3 m, wheel force" in result.stderr.splitlines()[-1]
+    assert run("--no-figures", "-o", tmp_path / "two").exit_code == 0
 
 
 def test_text_and_figures(quick, tmp_path):
@@ -158,8 +214,8 @@ def test_text_and_figures(quick, tmp_path):
     assert "Verdict: accepted (4 of 4" in result.stdout and str(folder) in result.stdout
     assert "friction 0.20" in result.stdout and "friction 0.40" in result.stdout
     assert "nan" not in result.stdout
-    report = (folder / "validation.md").read_text(encoding="utf-8")
-    assert all(f"({name})" in report for name in FIGURES)
+    text = (folder / "validation.md").read_text(encoding="utf-8")
+    assert all(f"({name})" in text for name in FIGURES)
     assert all(line in report for line in result.stdout.splitlines() if line.startswith("  "))
 
 
