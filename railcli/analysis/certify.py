@@ -87,8 +87,33 @@ def near_end(table, record, pose, lateral):
     return False
 
 
-def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
+def on_lines(poses, settings, axis):
+    """The same poses moved to grid lines along one axis (0 y, 1 roll, 2 yaw): all else is at a node."""
+    count = np.array([settings.y_count - 1, settings.roll_count - 1, settings.yaw_count - 1])
+    reach = np.array([settings.y_range, settings.roll_range, settings.yaw_range])
+    share = poses / reach
+    share[:, 2] = share[:, 2] ** 2
+    half = np.array([0.5, 0.5, 1.0]) * count
+    nodes = np.round(share * half) / half
+    nodes[:, axis] = share[:, axis]
+    nodes[:, 2] = np.sqrt(nodes[:, 2])
+    return nodes * reach * (1.0 - 1e-9)
+
+
+def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None, axis=None):
     """Measure the error of table look-up against direct minimisation.
+
+    Parameters
+    ----------
+    table : ContactTable
+    wheel, rail : Profile
+        From which it was built.
+    poses, seed : int
+        Number of random poses and what makes them.
+    progress : callable, optional
+        Called with the share done, 0 ... 1.
+    axis : int, optional
+        Only the error of interpolation along y (0), roll (1) or yaw (2): see `on_lines`.
 
     Returns
     -------
@@ -106,7 +131,10 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None):
     sample = np.zeros((MAX_CONTACT, NODE_CHANNELS))
     errors, regions, where = [], [], []
     apart = missed = invented = overfull = 0
-    for number, pose in enumerate(random_poses(table.settings, poses, seed)):
+    at = random_poses(table.settings, poses, seed)
+    if axis is not None:
+        at = on_lines(at, table.settings, axis)
+    for number, pose in enumerate(at):
         mirror = np.array([pose[0], pose[1], abs(pose[2])])
         truth = direct_contacts(mounting, mirror, station)
         depth = truth[:, 1].min() + LOADED

@@ -58,6 +58,11 @@ class Wheelset:
     def mountings(self):
         return self.right, self.left
 
+    def rigid(self):
+        """The same wheelset with rigid contact points, where those of this one are quasi-elastic."""
+        right = replace(self.right, pressed=0.0)
+        return replace(self, right=right, left=right if self.alike else replace(self.left, pressed=0.0))
+
 
 def wheelset_on(settings, wheel, rail, left_wheel=None, left_rail=None, left_radius=None):
     """Mount a wheelset over a track; what is not given on the left is as on the right.

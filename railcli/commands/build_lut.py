@@ -48,6 +48,21 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
     show_default=True,
     help="Nelder and Mead on the difference surface, or its closed-form twin.",
 )
+@click.option(
+    "--accuracy",
+    type=click.FloatRange(min=0.001, max=100.0),
+    metavar="MRAD",
+    help="Refine the grid until 99.9 % of the contact angles on the tread are this accurate; rolling radius, root and "
+    "flange in proportion.",
+)
+@click.option(
+    "--largest",
+    type=click.FloatRange(min=0.1),
+    default=500.0,
+    show_default=True,
+    metavar="MB",
+    help="Size beyond which --accuracy gives up.",
+)
 @click.option("--check", type=click.Path(path_type=Path), metavar="FILE", help="Build nothing; verify this table.")
 @click.option(
     "--poses",
@@ -69,7 +84,9 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @overwrite_option
 @quiet_option
 @format_option
-def build_lut(wheel, rail, method, check, poses, seed, plot, output, overwrite, quiet, output_format, **given):
+def build_lut(
+    wheel, rail, method, accuracy, largest, check, poses, seed, plot, output, overwrite, quiet, output_format, **given
+):
     """Build a wheel-rail contact table, or check one.
 
     Every contact point of a right-hand wheel is found by minimising the distance of wheel and rail, over a grid of
@@ -79,6 +96,7 @@ def build_lut(wheel, rail, method, check, poses, seed, plot, output, overwrite, 
     Examples:
       railcli build-lut
       railcli build-lut --rail 60E1 --inclination 40 -o table.h5 --plot
+      railcli build-lut --accuracy 0.05
       railcli build-lut --check table.h5
     """
     from railcli.files.output import json_text
@@ -88,13 +106,16 @@ def build_lut(wheel, rail, method, check, poses, seed, plot, output, overwrite, 
     if plot:
         check_format(Path(plot))
     if check is not None:
-        refused = [*settings, *(["output"] if output else [])]
+        refused = [*settings, *(["output"] if output else []), *(["accuracy"] if accuracy else [])]
         if refused:
             option = refused[0].replace("_", "-")
             raise click.UsageError(f"--{option} is for building a table; --check only reads one.")
         lines, facts, complaint = _check(check, wheel, rail, poses, seed, plot, overwrite, quiet)
     else:
-        lines, facts = _build(settings, wheel, rail, method, poses, seed, plot, output, overwrite, quiet)
+        if accuracy and poses == 0:
+            raise click.UsageError("--accuracy compares at random poses: --poses must be at least 1.")
+        goal = (accuracy, largest * 1e6) if accuracy else None
+        lines, facts = _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overwrite, quiet)
         complaint = None
     click.echo(json_text(facts) if output_format == "json" else "\n".join(lines))
     if complaint is not None:
@@ -102,7 +123,8 @@ def build_lut(wheel, rail, method, check, poses, seed, plot, output, overwrite, 
         raise complaint
 
 
-def _build(settings, wheel, rail, method, poses, seed, plot, output, overwrite, quiet):
+def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overwrite, quiet):
+    from railcli.analysis.refine import refine
     from railcli.files import tables
     from railcli.files.output import output_file, results_folder
     from railcli.files.profiles import load_profile
@@ -112,14 +134,25 @@ def _build(settings, wheel, rail, method, poses, seed, plot, output, overwrite, 
     settings = TableSettings(**settings)
     wheel = load_profile(wheel or DEFAULT_WHEEL, "wheel")
     rail = load_profile(rail or DEFAULT_RAIL, "rail")
-    path = output_file(output, overwrite) if output else tables.cached_path(settings, wheel, rail, method)
+    path = output_file(output, overwrite) if output else None
     picture = None
     if plot:
         picture = output_file(plot, overwrite)
-    elif plot is not None and output:
+    elif plot is not None and path:
         picture = output_file(path.with_suffix(".png"), overwrite)
     say = None if quiet else lambda text: click.echo(text, err=True)
-    table, facts, certificate = tables.make(wheel, rail, settings, method, poses, quiet, say, seed)
+
+    def build(settings):
+        return tables.make(wheel, rail, settings, method, poses, quiet, say, seed)
+
+    def along(table, axis):
+        return tables.measure(table, wheel, rail, max(poses // 4, 1), quiet, seed, axis)
+
+    if goal:
+        table, facts, certificate, stages = refine(settings, *goal, build, along)
+    else:
+        (table, facts, certificate), stages = build(settings), []
+    path = path or tables.cached_path(table.settings, wheel, rail, method)
     tables.save(table, path, certificate)
     if plot is not None and picture is None:
         with results_folder("build-lut", f"{wheel.name}-{rail.name}") as folder:
@@ -130,6 +163,9 @@ def _build(settings, wheel, rail, method, poses, seed, plot, output, overwrite, 
     size = path.stat().st_size
     lines = [*contact.summary(table, certificate, size, facts["cpu_s"]), f"Table: {path}"]
     facts = {"table": path, "bytes": size, **facts, "certificate": certificate, **_identity(table)}
+    if stages:
+        lines += contact.refinement_lines(goal[0], stages)
+        facts |= {"accuracy_mrad": goal[0], "refinement": contact.refinement_facts(stages)}
     if picture is not None:
         lines.append(f"Figure: {picture}")
         facts["figure"] = picture

@@ -4,6 +4,7 @@ import re
 
 import click
 
+from .build_lut import setting
 from .options import results_options
 from .wheelset import wheelset_of, wheelset_options
 
@@ -47,6 +48,7 @@ def curves(text):
 @click.command(short_help="Equivalent conicity of a wheelset on its track.")
 @wheelset_options
 @click.option("--roll/--no-roll", default=False, show_default=True, help="Let the wheelset roll; EN 15302 does not.")
+@setting("--pressed", "0", "MM", "Quasi-elastic contact points, pressed in by this much; the rigid beside.", 1e3)
 @click.option("--amplitude", default="1-10", show_default=True, metavar="MM", help="As 1-10, 1-10:0.5 or 2,3,4.5.")
 @click.option("--curve", default="300,500,1000", show_default=True, metavar="M", help="Curve radii for steering.")
 @click.option("--plot", is_flag=True, help="Draw profiles, delta-r, conicity and contact angles into the folder.")
@@ -60,6 +62,7 @@ def conicity(roll, amplitude, curve, plot, output_format, output, overwrite, qui
     \b
     Examples:
       railcli conicity --inclination 40
+      railcli conicity --pressed 0.2 --plot -o pressed
       railcli conicity --wheel worn.csv --amplitude 1-8:0.5 --plot -o worn
     """
     from railcli.analysis.conicity import conicity, rolling, steering
@@ -73,12 +76,17 @@ def conicity(roll, amplitude, curve, plot, output_format, output, overwrite, qui
     reach = wanted[-1] * 1e-3 + (0.0 if pair.alike else UNEVEN_MM * 1e-3)
     with Progress("Contact", 100, "%", quiet) as progress:
         contact = rolling(pair, reach, roll, lambda share: progress.update(round(100 * share)))
+    rigid = rolling(pair.rigid(), reach, roll) if settings.pressed else None
     motions = conicity(contact, [value * 1e-3 for value in wanted])
     rows = steering(contact, radii)
     title = wheelset.title(names, settings, pair, roll)
-    shown = {key: getattr(settings, key) for key in ("inclination", "gauge", "flange_back", "radius")}
+    shown = {key: getattr(settings, key) for key in ("inclination", "gauge", "flange_back", "radius", "pressed")}
     record = report.as_json(shown, names, roll, contact, motions, rows)
     lines = report.summary(title, contact, motions, rows)
+    if rigid is not None:
+        title += f", pressed in by {settings.pressed * 1e3:g} mm"
+        lines = [title, *lines[1:], *report.pressed_lines(contact, rigid)]
+        record["rigid"] = report.pressed_facts(contact, rigid)
     if output or plot:
         with results_folder("conicity", f"{names['wheel']}-{names['rail']}", output, overwrite) as folder:
             write_json(folder / "conicity.json", record)
@@ -87,6 +95,6 @@ def conicity(roll, amplitude, curve, plot, output_format, output, overwrite, qui
             if plot:
                 fine = amplitudes(f"{wanted[0]}-{wanted[-1]}:{max(PLOT_STEP_MM, (wanted[-1] - wanted[0]) / 200)}")
                 smooth = conicity(contact, [value * 1e-3 for value in fine])
-                report.plot(title, contact, smooth, folder / "conicity.png")
+                report.plot(title, contact, smooth, folder / "conicity.png", rigid)
         lines.append(f"Written to {folder}")
     click.echo(json_text(record) if output_format == "json" else "\n".join(lines))

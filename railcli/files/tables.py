@@ -349,11 +349,11 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
     return table, facts, measure(table, wheel, rail, poses, quiet, seed) if poses else {}
 
 
-def measure(table, wheel, rail, poses, quiet=False, seed=None):
-    """Certificate of a table at its usual poses or those of another seed, with progress on stderr."""
+def measure(table, wheel, rail, poses, quiet=False, seed=None, axis=None):
+    """Certificate of a table at its usual poses or those of another seed, or along one axis; progress on stderr."""
     seed = SEED if seed is None else seed
     with Progress("Certificate", poses, "poses", quiet) as progress:
-        certificate = certify(table, wheel, rail, poses, seed, lambda share: progress.update(share * poses))
+        certificate = certify(table, wheel, rail, poses, seed, lambda share: progress.update(share * poses), axis)
         progress.update(poses)
     return certificate
 

@@ -156,6 +156,15 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
 
 
 @kernel
+def look_up_all(table, node, cell, branch, poses, depth, sample):
+    """`look_up` at every row (y, roll, yaw) of poses, to be timed. Returns how many branches were loaded."""
+    loaded = 0
+    for i in range(poses.shape[0]):
+        loaded += look_up(table, node, cell, branch, poses[i, 0], poses[i, 1], poses[i, 2], depth, sample)
+    return loaded
+
+
+@kernel
 def penetrated(sample, out, depth, part):
     """Finish a mixed row of `look_up` when its branch is loaded; returns whether it is.
 

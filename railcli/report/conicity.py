@@ -138,7 +138,47 @@ def functions_csv(contact):
     return "\n".join([header, *rows]) + "\n"
 
 
-def plot(title, contact, motions, path):
+def pressed_facts(contact, rigid):
+    """What quasi-elastic contact points change of delta-r: largest difference to rigid ones, and their jumps."""
+    y = np.unique(np.concatenate([contact.y, rigid.y]))
+    change = np.interp(y, contact.y, contact.radius_difference) - np.interp(y, rigid.y, rigid.radius_difference)
+    change, y = change[y >= 0.0], y[y >= 0.0]
+    worst = int(np.argmax(np.abs(change)))
+    hops = {name: np.abs(np.diff(one.radius_difference)[one.jumps]) * 1e3 for name, one in _both(contact, rigid)}
+    return {
+        "largest_change_mm": float(change[worst] * 1e3),
+        "at_y_mm": float(y[worst] * 1e3),
+        "share_of_y_changed_by_10_um": float(np.trapezoid(np.abs(change) > 10e-6, y) / (y[-1] - y[0])),
+        "jumps": {name: len(found) for name, found in hops.items()},
+        "largest_jump_mm": {name: float(found.max(initial=0.0)) for name, found in hops.items()},
+    }
+
+
+def _both(contact, rigid):
+    return ("quasi_elastic", contact), ("rigid", rigid)
+
+
+def pressed_lines(contact, rigid):
+    """The same as lines of text."""
+    found = pressed_facts(contact, rigid)
+    pairs = [
+        (
+            "delta-r",
+            f"differs by up to {found['largest_change_mm']:+.3f} mm, at y = {found['at_y_mm']:.3f} mm; by more than "
+            f"0.01 mm over {found['share_of_y_changed_by_10_um']:.0%} of y",
+        ),
+        *(
+            (
+                name.replace("_", "-"),
+                f"{found['jumps'][name]} jumps of the contact, the largest {found['largest_jump_mm'][name]:.3f} mm",
+            )
+            for name, _ in _both(contact, rigid)
+        ),
+    ]
+    return ["Quasi-elastic against rigid contact points:", *facts(pairs)]
+
+
+def plot(title, contact, motions, path, rigid=None):
     """Draw profiles with contact lines, delta-r, conicity, contact angles and their difference.
 
     Parameters
@@ -148,6 +188,8 @@ def plot(title, contact, motions, path):
     motions : list of Swing
         Drawn over amplitude; many make a smooth curve.
     path : path-like
+    rigid : Rolling, optional
+        With rigid contact points, whose delta-r is drawn beside.
     """
 
     def paint(figure):
@@ -158,7 +200,7 @@ def plot(title, contact, motions, path):
             wheelset.profiles(axis, contact, side)
             axis.set_title(f"{side.capitalize()} wheel, drawn {wheelset.LIFT:g} mm above its rail")
         figure.colorbar(wheelset.colours_of(contact), ax=sides, aspect=12, label="y of the wheelset [mm]")
-        wheelset.radius_difference(figure.add_subplot(grid[1, 0]), contact)
+        wheelset.radius_difference(figure.add_subplot(grid[1, 0]), contact, rigid)
         curves = (
             (motions, "conicity", "integrated", BLUE, "-"),
             (motions, "linearised", "harmonic linearisation", GREEN, "--"),

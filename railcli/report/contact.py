@@ -4,6 +4,7 @@ import numpy as np
 
 from railcli.analysis.build_table import wheel_regions
 from railcli.analysis.conicity import rolling
+from railcli.analysis.refine import GOALS
 from railcli.analysis.rigid_contact import wheelset_on
 from railcli.kernels.layout import Node, Region
 from railcli.kernels.tabulate import MIN_CURVATURE
@@ -101,6 +102,51 @@ def certificate_lines(certificate):
 
 def _quantiles(error):
     return f"{error['p99']:.2g} / {error['p999']:.2g}"
+
+
+def refinement_lines(accuracy, stages):
+    """What an accuracy asks for, and the grids on the way to it with their cost: stages of `analysis.refine`."""
+    goals = [
+        f"on {name} {accuracy * GOALS[region]['angle_mrad']:g} mrad and {accuracy * GOALS[region]['radius_um']:g} um"
+        for name, region in (("the tread", "tread"), ("root and flange", "root"))
+    ]
+    rows = []
+    for number, stage in enumerate(stages, 1):
+        s = stage.settings
+        rows.append(
+            (
+                f"grid {number}",
+                *(f"{1e3 * step:.4g}" for step in (s.y_step, s.roll_step)),
+                f"{s.yaw_count}",
+                *(f"{value:.1f}" for value in (stage.bytes / 1e6, stage.cpu_s)),
+                f"{stage.look_up_ns:.0f}",
+                f"{stage.excess:.2f}",
+                f"{QUANTITIES[stage.worst[1]][0]}, {stage.worst[0]}" if stage.worst[1] else "nothing to compare",
+            )
+        )
+    header = ("", "y [mm]", "roll [mrad]", "yaws", "MB", "CPU [s]", "look-up [ns]", "error/allowed", "worst")
+    return [
+        f"Accuracy {accuracy:g} mrad, 99.9 % of contact angle and rolling radius: {'; '.join(goals)}:",
+        *columns(rows, header),
+        "  A step looks up once per wheel.",
+    ]
+
+
+def refinement_facts(stages):
+    """The same for a machine."""
+    return [
+        {
+            "y_step_mm": stage.settings.y_step * 1e3,
+            "roll_step_mrad": stage.settings.roll_step * 1e3,
+            "yaw_count": stage.settings.yaw_count,
+            "bytes": stage.bytes,
+            "cpu_s": stage.cpu_s,
+            "look_up_ns": stage.look_up_ns,
+            "error_over_allowed": stage.excess,
+            "worst": list(stage.worst),
+        }
+        for stage in stages
+    ]
 
 
 def plot(table, wheel, rail, path):

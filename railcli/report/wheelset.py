@@ -148,12 +148,14 @@ def both_sides(axis, contact, quantity, scale):
     axis.legend(loc="best")
 
 
-def radius_difference(axis, contact):
-    """Draw delta-r, and in an inset what it is before a flank touches."""
+def radius_difference(axis, contact, rigid=None):
+    """Draw delta-r, and in an inset what it is before a flank touches; beside it that of rigid contact points."""
     over_y(axis, contact, "Rolling radius difference, right less left", "$\\Delta r$ [mm]")
     y, difference = broken(contact, contact.radius_difference * 1e3)
-    axis.plot(y, difference, color=BLUE)
-    if axis.patches:
+    axis.plot(y, difference, color=BLUE, label="quasi-elastic" if rigid else None)
+    if rigid:
+        axis.plot(*broken(rigid, rigid.radius_difference * 1e3), color=VERMILION, linestyle="--", label="rigid")
+    if axis.patches or rigid:
         axis.legend(loc="lower right")
     limit = FREE_SHARE * 1e3 * min(-contact.clearance[0], contact.clearance[1], contact.y[-1])
     free = ~(np.abs(y) > limit)

@@ -50,6 +50,35 @@ def test_errors_are_told_by_part_of_the_profile(coarse):
     assert all(int(words[1].replace(",", "")) > 0 and words.count("/") == 4 for words in parts)
 
 
+SMALL = ["--y-range", "5", "--roll-range", "5", "--yaw-range", "10", *COARSE[:6], "--poses", "300", "-q"]
+
+
+def test_accuracy_refines_until_it_is_met(tmp_path):
+    """Each grid is finer than the one before; the last keeps what was asked, and the file holds it."""
+    result = build(*SMALL, "--accuracy", "0.02", "-o", tmp_path / "t.h5", "--format", "json")
+    assert result.exit_code == 0, result.stderr
+    record = json.loads(result.stdout)
+    stages = record["refinement"]
+    assert len(stages) >= 2 and [stage["error_over_allowed"] <= 1.0 for stage in stages].index(True) == len(stages) - 1
+    assert all(after["bytes"] > before["bytes"] for before, after in zip(stages, stages[1:], strict=False))
+    tread = record["certificate"]["angle_mrad"]["by_region"]["tread"]["p999"]
+    assert tread <= 0.02 and record["certificate"]["radius_um"]["by_region"]["tread"]["p999"] <= 0.2
+    kept = tables.read(tmp_path / "t.h5").table.settings
+    assert kept.yaw_count == stages[-1]["yaw_count"] and kept.roll_step * 1e3 == stages[-1]["roll_step_mrad"]
+
+
+def test_accuracy_beyond_the_largest_size_is_one_line(tmp_path):
+    result = build(*SMALL, "--accuracy", "0.002", "--largest", "0.2", "-o", tmp_path / "t.h5")
+    assert result.exit_code == 4
+    (line,) = result.stderr.splitlines()
+    assert "0.002 mrad" in line and "--largest" in line and not (tmp_path / "t.h5").exists()
+
+
+@pytest.mark.parametrize("arguments", [("--accuracy", "0.1", "--poses", "0"), ("--accuracy", "0"), ("--largest", "0")])
+def test_accuracy_that_makes_no_sense(arguments):
+    assert build(*arguments).exit_code == 2
+
+
 def test_method_twins_give_one_table(coarse, tmp_path):
     """Simplex and closed-form locus find the same number of contact points to one in two hundred."""
     result = build(*COARSE, "--method", "locus", "-o", tmp_path / "twin.h5", "--format", "json")

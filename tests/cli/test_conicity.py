@@ -46,6 +46,22 @@ def test_beyond_the_flange_is_said():
     assert "beyond" not in next(line for line in result.stdout.splitlines() if line.startswith("  5 "))
 
 
+def test_quasi_elastic_points_beside_rigid_ones(tmp_path):
+    """Pressed in, the wheel's jump in the root becomes a fast motion; on the tread delta-r is that of rigid points."""
+    common = ("conicity", "-q", "--amplitude", "2,7", "--format", "json")
+    rigid, pressed = (json.loads(run(*common, *more).stdout) for more in ((), ("--pressed", "0.2")))
+    assert "rigid" not in rigid and pressed["settings"]["pressed"] == pytest.approx(0.2e-3)
+    found = pressed["rigid"]
+    assert found["jumps"]["rigid"] == len(rigid["jumps"]) > found["jumps"]["quasi_elastic"] == len(pressed["jumps"])
+    assert abs(found["largest_change_mm"]) > 1.0 and found["at_y_mm"] > 6.0
+    assert found["share_of_y_changed_by_10_um"] < 0.2
+    on_tread = [record["amplitudes"][0]["conicity"] for record in (rigid, pressed)]
+    assert on_tread[0] == pytest.approx(on_tread[1], rel=0.01)
+    text = run(*common[:4], "--pressed", "0.2").stdout
+    assert "pressed in by 0.2 mm" in text and "Quasi-elastic against rigid contact points" in text
+    assert run(*common, "--pressed", "5").exit_code == 2
+
+
 def test_unlike_sides_and_range():
     unlike = ["--left-rail", "60E1", "--left-radius", "459.9"]
     result = run("conicity", "-q", *unlike, "--amplitude", "1-2:0.5", "--format", "json")

@@ -1,0 +1,161 @@
+"""A contact table as accurate as asked for: its grid refined where its error comes from.
+
+Accuracy is one number, the 99.9 % error of the contact angle on the tread [mrad]; what else must hold follows from it
+in fixed proportion (GOALS). Errors are those of the certificate: contacts near the end of a branch are counted apart.
+"""
+
+import math
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railcli.errors import CheckError
+from railcli.kernels.contact import look_up_all
+from railcli.kernels.layout import NODE_CHANNELS, SAMPLE_ROWS
+from railcli.model.contact_table import LIMITS
+
+GOALS = {  # 99.9 % errors at an accuracy of 1 mrad
+    "tread": {"angle_mrad": 1.0, "radius_um": 10.0},
+    "root": {"angle_mrad": 6.0, "radius_um": 50.0},
+    "flank": {"angle_mrad": 6.0, "radius_um": 50.0},
+    "tip": {"angle_mrad": 6.0, "radius_um": 50.0},
+}
+AXES = ("y", "roll", "yaw")
+FINER = (1.25, 2.0)  # least and greatest factor by which one axis is refined at a time
+NEARLY = 0.7  # an axis whose own error is below this share of the goal is left alone
+ROUNDS = 12
+LOOK_UPS = 20_000
+SWING = (8e-3, 3e-3, 8e-3)  # amplitudes of the motion for which look-ups are timed [m], [rad], [rad]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One grid on the way.
+
+    Attributes
+    ----------
+    settings : TableSettings
+    bytes : int
+        Of the table in memory.
+    cpu_s, look_up_ns : float
+        Processor time of building it and of one look-up.
+    excess : float
+        Largest error over what is allowed.
+    worst : tuple of str
+        Region and quantity of this error.
+    """
+
+    settings: object
+    bytes: int
+    cpu_s: float
+    look_up_ns: float
+    excess: float
+    worst: tuple
+
+
+def excess(certificate, accuracy):
+    """Largest 99.9 % error over its goal, and its region and quantity.
+
+    Parameters
+    ----------
+    certificate : dict
+        As `certify` gives it.
+    accuracy : float
+        Wanted of the contact angle on the tread [mrad].
+    """
+    ratios = {
+        (region, key): certificate[key]["by_region"][region]["p999"] / (accuracy * goal)
+        for region in certificate.get("contacts", {})
+        for key, goal in GOALS[region].items()
+    }
+    if not ratios:
+        return math.inf, ("", "")
+    worst = max(ratios, key=ratios.get)
+    return ratios[worst], worst
+
+
+def finer(settings, axis, factor):
+    """The same settings with one axis (0 y, 1 roll, 2 yaw) refined by about a factor, at least by one node."""
+    if axis == 2:
+        return replace(settings, yaw_count=max(math.ceil((settings.yaw_count - 1) * factor), settings.yaw_count) + 1)
+    name = AXES[axis]
+    half = getattr(settings, f"{name}_count") // 2
+    return replace(
+        settings, **{f"{name}_step": getattr(settings, f"{name}_range") / max(math.ceil(half * factor), half + 1)}
+    )
+
+
+def look_up_time(table):
+    """Processor time of one look-up while a wheel swings through the table [ns]; least of five."""
+    s = table.settings
+    turn = np.linspace(0.0, 2.0 * np.pi, LOOK_UPS)[:, None] * [3.0, 7.0, 5.0]
+    poses = np.minimum(SWING, 0.99 * np.array([s.y_range, s.roll_range, s.yaw_range])) * np.sin(turn)
+    sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
+    times = []
+    for _ in range(6):
+        began = time.thread_time_ns()
+        look_up_all(table.record[0], table.node, table.cell, table.branch, poses, 1e-3, sample)
+        times.append((time.thread_time_ns() - began) / LOOK_UPS)
+    return min(times[1:])
+
+
+def refine(settings, accuracy, most_bytes, build, measure, say=None):
+    """Refine a grid until its table is accurate.
+
+    Parameters
+    ----------
+    settings : TableSettings
+        The grid to begin with.
+    accuracy : float
+        Wanted of the contact angle on the tread, 99.9 % [mrad].
+    most_bytes : float
+        No table larger than this is built.
+    build : callable
+        Of settings: table, facts and certificate.
+    measure : callable
+        Of a table and an axis: certificate along that axis alone.
+    say : callable, optional
+        Called with each Stage.
+
+    Returns
+    -------
+    table, facts, certificate
+        Of the last stage.
+    stages : list of Stage
+
+    Raises
+    ------
+    CheckError
+        It would be larger than most_bytes, or no grid within the limits of the settings does it.
+    """
+    stages = []
+    while True:
+        table, facts, certificate = build(settings)
+        ratio, worst = excess(certificate, accuracy)
+        stages.append(Stage(settings, table.bytes, facts["cpu_s"], look_up_time(table), ratio, worst))
+        if say:
+            say(stages[-1])
+        if ratio <= 1.0:
+            return table, facts, certificate, stages
+        along = [excess(measure(table, axis), accuracy)[0] for axis in range(len(AXES))]
+        after = settings
+        for axis in range(len(AXES)):
+            share = along[axis] if along[axis] < math.inf else FINER[1] ** 2
+            if share > NEARLY or along[axis] == max(along):
+                after = finer(after, axis, min(max(math.sqrt(share), FINER[0]), FINER[1]))
+        size = table.bytes * after.positions / settings.positions
+        if size > most_bytes:
+            raise CheckError(
+                f"accuracy {accuracy:g} mrad cannot be had within {most_bytes / 1e6:.0f} MB: the next grid would take "
+                f"{size / 1e6:.0f} MB; {table.bytes / 1e6:.0f} MB give {accuracy * ratio:.2g} mrad (worst: "
+                f"{worst[1].partition('_')[0]} on the {worst[0]}); ask for that, or allow more with --largest"
+            )
+        if len(stages) == ROUNDS or not all(
+            low <= getattr(after, key) <= high for key, (low, high, _) in LIMITS.items()
+        ):
+            raise CheckError(
+                f"accuracy {accuracy:g} mrad cannot be had: after {len(stages)} grids the error is still "
+                f"{accuracy * ratio:.2g} mrad (worst: {worst[1].partition('_')[0]} on the {worst[0]})"
+            )
+        settings = after
