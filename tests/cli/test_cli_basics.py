@@ -37,7 +37,11 @@ def test_help_lists_the_commands_in_order_of_use():
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("arguments", [["run", "scenario"], ["validate", "manchester"], ["build-lut"], ["rt-bench"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["run", "scenario"], ["validate", "manchester"], ["build-lut"], ["rt-bench"], ["assess"], ["report"], ["diff"],
+     ["export"]],
+)  # fmt: skip
 def test_each_command_has_help(arguments):
     result = CliRunner().invoke(main, [*arguments, "--help"])
     assert result.exit_code == 0
