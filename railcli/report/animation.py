@@ -255,7 +255,7 @@ class Film:
                           wheel=wheel, sign=sign: self._dots(dots, k, wheel, self._at(name, k), sign))  # fmt: skip
         ends = [body.x - bodies[0].x + end for body in bodies for end in self._shapes[body.name].above[:, 0]]
         axis.set_xlim(np.nanmin(ends) - 0.8, np.nanmax(ends) + 0.8)
-        axis.set_ylim(2.1, -2.1)
+        axis.set_ylim(2.4, -2.4)
         axis.set_aspect("equal")
         axis.set_title(f"From above, displacements x {self.magnify[0]:g}; forward is to the right")
         axis.set_ylabel("to the right [m]")

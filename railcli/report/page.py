@@ -46,7 +46,7 @@ def template():
 def title(several):
     """Of the page."""
     if len(several) == 1:
-        return several[0].results.settings.get("title") or several[0].label
+        return str(several[0].results.settings.get("title") or several[0].label)
     return " against ".join(one.label for one in several)
 
 
@@ -150,19 +150,19 @@ def _notes(one):
 
 
 def _facts(one):
-    settings, summary, results = one.results.settings, one.results.summary, one.results
+    settings, summary, results = flat(one.results.settings), one.results.summary, one.results
 
     def setting(group, key, text="{}"):
-        value = settings.get(group, {}).get(key)
-        return "-" if value is None else text.format(value)
+        value = settings.get(f"{group}.{key}")
+        return text.format(value) if isinstance(value, float) else shown(value)
 
     time = results.read("time", results.rows - 1)[0]
     position = results.read(f"bodies/{results.bodies[0]}/position", results.rows - 1)[0, 0]
     profiles = f"{setting('contact', 'wheel_profile')} on {setting('contact', 'rail_profile')}"
     return {
         "folder": str(results.folder),
-        "scenario": settings.get("name", "-"),
-        "title": settings.get("title") or "-",
+        "scenario": shown(settings.get("name")),
+        "title": shown(settings.get("title") or None),
         "vehicle": setting("vehicle", "name"),
         "speed": setting("run", "speed_m_per_s", "{:g} m/s"),
         "profiles": f"{profiles}, 1:{setting('contact', 'inclination', '{:g}')}",

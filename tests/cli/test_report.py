@@ -226,13 +226,14 @@ def test_what_cannot_be_judged_is_said(recorded, tmp_path):
     copy = tmp_path / "other"
     shutil.copytree(recorded(), copy)
     scenario = json.loads((copy / "scenario.json").read_text())
-    scenario["run"]["spead_m_per_s"] = 1.0
+    scenario["contact"]["friction"] = {"dry": 0.3}
+    scenario["vehicle"] = "another one"
     (copy / "scenario.json").write_text(json.dumps(scenario))
     (copy / "summary.json").unlink()
     result = run(copy, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
     page = Page(tmp_path / "out" / "report.html")
-    assert "no track and no assessment" in page.text and "spead_m_per_s" in result.stdout
+    assert "no track and no assessment" in page.text and "no scenario of this version" in result.stdout
     assert "broke off before it wrote a summary" in page.text
     assert 'id="assessment"' not in page.text and not (tmp_path / "out" / "track.png").exists()
 
