@@ -30,7 +30,7 @@ def test_draws_and_prints_a_built_in_scenario(tmp_path):
         ["4", "clothoid", "180", "300"],
         ["5", "curve", "300", "500"],
     ]
-    assert "300 L > 300 R" in result.stdout and "inner rail" in result.stdout
+    assert "300 L > 300 R" in result.stdout and "middle of the track" in result.stdout
     assert "the standard itself could not be consulted" in result.stdout
 
 
