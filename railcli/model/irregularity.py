@@ -104,7 +104,7 @@ class Stretch(Description):
 class Spectrum(Stretch):
     """Waves of random phase with the density of a power spectrum."""
 
-    kind: Literal["spectrum"] = "spectrum"
+    kind: Literal["random"] = "random"
     spectrum: one_of(SPECTRA)
     channels: Annotated[tuple[Literal[CHANNELS], ...], Field(min_length=1)] = CHANNELS
     shortest: Annotated[Positive, Field(ge=0.02, le=1e3)] = Field(3.0, alias="shortest_m")

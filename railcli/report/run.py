@@ -203,7 +203,8 @@ def _each_wheelset(axis, main, values):
 def _accelerations(axes, main):
     for i, body in enumerate(main.sprung):
         for axis, direction in zip(axes, (1, 2), strict=True):
-            axis.plot(main.distance, main.acceleration[:, i, direction], color=SERIES[i % len(SERIES)], label=body)
+            colour = SERIES[i % len(SERIES)]
+            axis.plot(main.distance, main.acceleration[:, i, direction], color=colour, label=body, zorder=3.0 - 0.1 * i)
     axes[0].set_ylabel("lateral acceleration,\nto the right [m/s$^2$]")
     axes[1].set_ylabel("vertical acceleration,\ndown [m/s$^2$]")
 

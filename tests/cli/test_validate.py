@@ -216,7 +216,7 @@ def test_text_and_figures(quick, tmp_path):
     assert "nan" not in result.stdout
     text = (folder / "validation.md").read_text(encoding="utf-8")
     assert all(f"({name})" in text for name in FIGURES)
-    assert all(line in report for line in result.stdout.splitlines() if line.startswith("  "))
+    assert all(line in text for line in result.stdout.splitlines() if line.startswith("  "))
 
 
 def test_rejected_is_exit_code_4_with_all_files(quick, tmp_path, monkeypatch):
