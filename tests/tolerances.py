@@ -256,6 +256,8 @@ APPROACH = 2e-3  # of the largest rate: quadratic interpolation of D against slo
 CROSS_LEVEL_ROLL = 0.03  # the axle stands beside the middle then, on other radii: 0.04 mm of 4 mm a side
 GAUGE_CENTRE = 1e-3  # [m] S1002 hardly steers within its clearance: the wheelset stops somewhere about the new middle
 
+WIDENED, WIDENED_FORCE = 1e-8, 1.0  # [m], [N] Newton's residual of 1e-8 m/s^2 on soft directions
+
 # --- Irregularity ---
 PRINTED_RMS = 0.6e-3  # [mm] half a unit of the third decimal
 PRINTED_AAR = 0.6e-5  # [mm] half a unit of the fifth decimal

@@ -287,8 +287,9 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0, asid
 
     def into_curve(share, x):
         track = pack(constant_track(share * curvature, share * cant), gradients=rising(share * gradient))
-        shift, param["shift_start"], param["shift_step"] = constant_rails(*(share * rail for rail in aside))
-        model = freeze(system.model._replace(param=param.copy(), track=track, shift=shift))
+        own = param.copy()
+        shift, own["shift_start"], own["shift_step"] = constant_rails(*(share * rail for rail in aside))
+        model = freeze(system.model._replace(param=own, track=track, shift=shift))
         motion = _Steady(system, model, speed, 0.0)
         turning = _turning(share * curvature, share * cant, base, share * gradient)
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import linalg
 
 from railcli.errors import SimulationError
-from railcli.kernels.layout import Kind, Status, freeze
+from railcli.kernels.layout import NO_SHIFT, Kind, Status, freeze
 from railcli.kernels.step import evaluate
 from railcli.model.track import Straight, Track, pack
 
@@ -125,13 +125,13 @@ def linear_about(system, data, speed, scale=1.0, contact=False):
 
 
 def on_straight(system, length=1.0, **values):
-    """The system on straight level track of this length [m], with other values in its PARAM."""
+    """The system on ideal straight level track of this length [m], with other values in its PARAM."""
     param = system.model.param.copy()
     for key, value in values.items():
         param[key] = value
     track = pack(Track((Straight(length=length),)))
     speed = float(param[0]["speed"])
-    return replace(system, model=freeze(system.model._replace(param=param, track=track)), speed=speed)
+    return replace(system, model=freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT)), speed=speed)
 
 
 def _damper_lengths(model, data):
