@@ -24,7 +24,10 @@ from railcli.kernels import contact
 if numba.config.DISABLE_JIT:  # vector instructions have no meaning outside compiled code
     def mix(node, n, w, sample, row):
         sample[row] = np.array(w) @ node[list(n)]
-    contact.mix = mix
+    def mix_bent(node, n, w, y, roll, yaw2, sample, row):
+        weights = np.repeat([y, roll, yaw2, w], [3, 3, 3, node.shape[1] - 9], axis=0)
+        sample[row] = sum(weights[:, c] * node[n[c]] for c in range(len(n)))
+    contact.mix, contact.mix_bent = mix, mix_bent
 import scenes
 from railcli.analysis.equilibrium import touching_depth
 system = scenes.lone_wheelset(scenes.cone_table(0.025), 20.0)
