@@ -44,7 +44,7 @@ def stations(mounting, fine=FINE_STATION, coarse=COARSE_STATION):
 
 
 def check_fit(mounting, settings):
-    """A centred wheelset must stand on its treads, or there is no wheelset on that track."""
+    """A centred wheelset must not stand on its flanges, or there is no wheelset on that track."""
     found = np.zeros((1, PER_CORNER, 6))
     counts = np.zeros(1, np.int64)
     solve_orientation(
@@ -52,12 +52,12 @@ def check_fit(mounting, settings):
     )
     deepest = found[0, : counts[0]][np.argmin(found[0, : counts[0], 1])] if counts[0] else None
     regions = wheel_regions(mounting)
-    if deepest is None or deepest[0] < regions[2] or abs(deepest[1]) > 0.010:
+    if deepest is None or deepest[0] < regions[1] or abs(deepest[1]) > 0.010:
         where = "nowhere" if deepest is None else f"{deepest[0] * 1e3:+.1f} mm from the tape circle"
         raise InputError(
             "contact geometry",
             f"no wheelset fits: gauge {settings.gauge * 1e3:g} mm, flange-back {settings.flange_back * 1e3:g} mm and "
-            f"these profiles let a centred wheel touch {where}, not on its tread; check gauge and flange-back",
+            f"these profiles let a centred wheel touch {where}, not on its tread or flange root; check gauge and flange-back",
         )
 
 

@@ -137,6 +137,8 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None, axis=None
     for number, pose in enumerate(at):
         mirror = np.array([pose[0], pose[1], abs(pose[2])])
         truth = direct_contacts(mounting, mirror, station)
+        if truth.shape[0] == 0:
+            continue
         depth = truth[:, 1].min() + LOADED
         truth = truth[(truth[:, 1] < depth) & (truth[:, 4] > MISSED_BARRIER)]
         count = look_up(record, table.node, table.cell, table.branch, *pose, depth, sample)
