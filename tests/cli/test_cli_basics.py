@@ -31,7 +31,7 @@ def test_help_lists_the_commands_in_order_of_use():
     result = CliRunner().invoke(main, ["--help"])
     assert result.exit_code == 0
     listed = [line.split()[0] for line in result.stdout.partition("Commands:\n")[2].splitlines()]
-    assert listed == ["profile", "build-lut", "contact", "conicity", "run", "rt-bench", "validate"]
+    assert listed == ["profile", "build-lut", "contact", "conicity", "track", "run", "rt-bench", "validate"]
 
 
 @pytest.mark.parametrize("arguments", [["run", "scenario"], ["validate", "manchester"], ["build-lut"], ["rt-bench"]])
