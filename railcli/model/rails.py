@@ -38,7 +38,7 @@ def contributions(scenario):
     about = course(scenario)
     for source in scenario.irregularity:
         yield source.spacing, lambda s, source=source: source.displacement(s, about)
-    if scenario.track.widened(scenario.contact.gauge):
+    if scenario.track.widest(scenario.contact.gauge) > 0.0:
         yield WIDENING_SPACING, lambda s: widening(scenario, s)
 
 

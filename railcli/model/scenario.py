@@ -84,7 +84,7 @@ class Contact(Description):
                 f"got {self.inclination:g}"
             )
         for key, law in OF_ONE_LAW.items():
-            if key in self.model_fields_set and self.creep_law != law:
+            if self.creep_law != law and getattr(self, key) != type(self).model_fields[key].default:
                 raise ValueError(f"{key} belongs to creep_law {law!r}, got creep_law {self.creep_law!r}")
         if self.slip_reduction > self.adhesion_reduction:
             raise ValueError(

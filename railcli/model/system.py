@@ -81,11 +81,12 @@ def needed(scenario):
 def table_settings(scenario, radius):
     """Settings of the contact table that a scenario's wheels of this radius [m] need.
 
-    The table reaches as far beyond flange contact on a widened gauge as on the usual one.
+    The table reaches as far beyond flange contact on a wide gauge, everywhere or in curves, as on the usual one.
     """
     contact = scenario.contact
     default = TableSettings()
-    wider = max(0, round(0.5 * (contact.gauge - contact.flange_back - NARROW_PLAY) / default.y_step))
+    aside = 0.5 * (contact.gauge - contact.flange_back - NARROW_PLAY) + scenario.track.widest(contact.gauge)
+    wider = max(0, round(aside / default.y_step))
     return TableSettings(
         inclination=contact.inclination,
         gauge=contact.gauge,

@@ -64,13 +64,10 @@ class Track(RootModel[tuple[Section, ...]]):
             yield start, section
             start += section.length
 
-    def widened(self, gauge):
-        """Whether the gauge is another than the nominal one [m] somewhere."""
-        return any(
-            section.gauge is not None if section.kind == "measured" else section.kind != "transition"
-            and any(section.shift(gauge))
-            for section in self.root
-        )  # fmt: skip
+    def widest(self, gauge):
+        """Farthest lateral displacement of a rail from its place at the nominal gauge, anywhere [m]."""
+        shifts = [section.shift(gauge) for section in self.root if section.kind != "transition"]
+        return max(float(np.abs(rail).max()) for pair in shifts for rail in pair)
 
     def shifts(self, s, gauge):
         """Lateral displacement of the rails from their places at the nominal gauge.

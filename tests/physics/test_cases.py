@@ -16,8 +16,8 @@ KILO = 1e-3
 
 @pytest.fixture(scope="module")
 def wide(profiles):
-    """The small table with more yaw: 16 mrad, for the tightest curve."""
-    return build_table(*profiles, replace(scenes.SMALL, yaw_range=30e-3 * 0.3**0.5, yaw_count=4))[0]
+    """The small table with more yaw, 19 mrad, and more play, for the tightest curve, whose gauge is wider."""
+    return build_table(*profiles, replace(scenes.SMALL, y_range=20e-3, yaw_range=30e-3 * 0.4**0.5, yaw_count=5))[0]
 
 
 @pytest.mark.parametrize("name", builtin_scenarios())
@@ -29,7 +29,7 @@ def test_built_in_scenario(name, wide):
     outcome = simulate(case, system, window)
     assert outcome.fault == ""
     stretch = final_stretch(case)
-    if stretch is None:
+    if stretch is None or case.irregularity:
         return
     lateral, vertical = expected_forces(case, stretch)
     sums = [float(window.mean(key).sum()) * KILO for key in ("y_force", "q_force")]
