@@ -57,7 +57,8 @@ def check_fit(mounting, settings):
         raise InputError(
             "contact geometry",
             f"no wheelset fits: gauge {settings.gauge * 1e3:g} mm, flange-back {settings.flange_back * 1e3:g} mm and "
-            f"these profiles let a centred wheel touch {where}, not on its tread or flange root; check gauge and flange-back",
+            f"these profiles let a centred wheel touch {where}, not on its tread or flange root; check gauge and "
+            "flange-back",
         )
 
 

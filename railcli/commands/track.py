@@ -21,9 +21,9 @@ def track():
 def show(source, speed, output, overwrite, output_format):
     """Draw the alignment of a scenario, or of a measured table (CSV), and judge it by EN 13803.
 
-    Draws curvature, cant, gradient and gauge along s, prints a table of the sections, and warns where cant, cant
-    deficiency or excess, their rates of change, twist or the acceleration in a vertical curve is beyond the standard's
-    limits or those of [limits] in the scenario. A table has no speed: give one with --speed.
+    Draws curvature, cant, gradient, gauge and irregularity along s, prints a table of the sections, and warns where
+    cant, cant deficiency or excess, their rates of change, twist or the acceleration in a vertical curve is beyond the
+    standard's limits or those of [limits] in the scenario. A table has no speed: give one with --speed.
 
     \b
     Examples:

@@ -1,6 +1,8 @@
 """Scenario and vehicle files, and the ones that railcli brings along."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from pydantic import ValidationError
 from railcli.errors import InputError
 from railcli.model.checks import hint
 from railcli.model.limits import Limits
+from railcli.model.rails import irregularity as rail_irregularity
 from railcli.model.scenario import Run, Scenario
 from railcli.model.track import Track, pack
 from railcli.model.vehicle import Vehicle
@@ -70,6 +73,8 @@ class AlignmentCase:
     pivot : str
     gravity : float
     speed : float or None
+    irregularity : callable or None
+        Displacement of the rails over s, as `model.rails.irregularity`; None where the rails lie ideally.
     """
 
     name: str
@@ -82,6 +87,7 @@ class AlignmentCase:
     pivot: str
     gravity: float
     speed: float | None
+    irregularity: Callable | None = None
 
 
 def load_alignment(source):
@@ -113,6 +119,7 @@ def load_alignment(source):
         pivot=case.cant_pivot,
         gravity=case.run.gravity,
         speed=case.run.speed,
+        irregularity=partial(rail_irregularity, case) if case.irregularity else None,
     )
 
 

@@ -35,11 +35,21 @@ def contributions(scenario):
     The function takes arc lengths (n,) and gives values and slopes, each (rail, direction, n): right and left rail; to
     the right and down [m], [-]. What else moves the rails belongs here.
     """
+    yield from irregularities(scenario)
+    if scenario.track.widest(scenario.contact.gauge) > 0.0:
+        yield WIDENING_SPACING, lambda s: widening(scenario, s)
+
+
+def irregularities(scenario):
+    """What of `contributions` is irregularity."""
     about = course(scenario)
     for source in scenario.irregularity:
         yield source.spacing, lambda s, source=source: source.displacement(s, about)
-    if scenario.track.widest(scenario.contact.gauge) > 0.0:
-        yield WIDENING_SPACING, lambda s: widening(scenario, s)
+
+
+def irregularity(scenario, s):
+    """Displacement of both rails at arc lengths s (n,) by irregularity alone: (rail, direction, n)."""
+    return sum(moved(s)[0] for _, moved in irregularities(scenario))
 
 
 def widening(scenario, s):

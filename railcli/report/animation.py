@@ -333,7 +333,7 @@ class Film:
             self._add(artist, update)
 
     def _along(self, axis):
-        s, curvature, _ = self._one.track
+        s, curvature = self._one.track.s, self._one.track.curvature
         axis.fill_between(s, 1e3 * curvature, color=GREY, alpha=0.5, linewidth=0.0)
         axis.set_xlim(s[0], max(s[-1], s[0] + 1.0))
         axis.margins(y=0.3)

@@ -4,13 +4,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 from scipy.signal import welch
 
+from railcli.analysis.alignment import course
 from railcli.errors import InputError
-from railcli.model.track import pack
+from railcli.model.rails import contributions, displacement
 
 MOST_POINTS = 6000  # of a curve
+RAIL_POINTS = 10_000  # of the displacement of rails
 PIECE = 20_000  # rows in memory, at least
 SEGMENT = 5.0  # of a spectrum [s]
 FEWEST = 16  # rows of a spectrum
@@ -146,18 +147,21 @@ class Curves:
 
     @cached_property
     def track(self):
-        """Arc length [m], curvature [1/m] and cant [m] along the run; None without a scenario."""
+        """The Course of the alignment along the run; None without a scenario."""
         if self.scenario is None:
             return None
-        pieces = pack(self.scenario.track)
-        places = [piece["start"] + np.linspace(0.0, piece["length"], 9) for piece in pieces]
-        s = np.concatenate(places)
-        curves = [
-            np.concatenate([polyval(at - p["start"], p[name]) for at, p in zip(places, pieces, strict=True)])
-            for name in ("curvature", "cant")
-        ]
-        inside = (s >= 0.0) & (s <= self.s.max())
-        return s[inside], *(curve[inside] for curve in curves)
+        pieces = self.scenario.pieces()
+        s = (pieces["start"][:, None] + pieces["length"][:, None] * np.linspace(0.0, 1.0, 9)).ravel()
+        return course(pieces, np.unique(s[(s >= 0.0) & (s <= self.s.max())]))
+
+    @cached_property
+    def rails(self):
+        """Arc length (n,) and displacement of the rails, (right and left, to the right and down, n) [m]; or None."""
+        scenario = self.scenario
+        if scenario is None or not any(True for _ in contributions(scenario)):
+            return None
+        s = np.linspace(0.0, self.s.max(), RAIL_POINTS)
+        return s, displacement(scenario, s)[0]
 
     def _note(self, text):
         if text not in self.notes:

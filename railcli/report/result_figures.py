@@ -59,8 +59,12 @@ def figures(several):
     wide = PANEL[0] * COLUMNS
     found = []
     if any(one.track is not None for one in several):
-        caption = "Curvature, positive to the right, and cant, positive when the left rail is higher, over arc length."
-        found.append(_painted("track", "Track", caption, _track, (wide, 2 * PANEL[1] + HEAD), several))
+        caption = (
+            "Curvature, positive to the right; cant, positive when the left rail is higher; where they are not zero, "
+            "the gradient, positive where the track rises, and the displacement of both rails from their ideal places."
+        )
+        size = (wide, _track_rows(several) * PANEL[1] + HEAD)
+        found.append(_painted("track", "Track", caption, _track, size, several))
     found += [_of_wheelsets(several, *entry) for entry in WHEELSET_FIGURES]
     if bodies := _bodies(several):
         size = (wide, len(bodies) * PANEL[1] + HEAD)
@@ -189,18 +193,37 @@ def _of_wheelsets(several, name, title, caption, quantities):
     return _painted(name, title, caption, paint, (PANEL[0] * COLUMNS, rows * PANEL[1] + HEAD), several)
 
 
+def _rises(several):
+    return any(one.track is not None and one.track.gradient.any() for one in several)
+
+
+def _track_rows(several):
+    return 2 + _rises(several) + 2 * any(one.rails is not None for one in several)
+
+
 def _track(figure, several):
-    above, below = figure.subplots(2, 1, sharex=True)
-    for k, one in enumerate(several):
-        if one.track is not None:
-            s, curvature, cant = one.track
-            style = _styles(several)(one, None)
-            style["linewidth"] += 1.5 * (len(several) - 1 - k)  # like tracks stay visible under one another
-            above.plot(s, 1e3 * curvature, **style)
-            below.plot(s, 1e3 * cant, **style)
-    above.set_ylabel("curvature [1/km]")
-    below.set_ylabel("cant [mm]")
-    below.set_xlabel("s [m]")
+    panels = list(figure.subplots(_track_rows(several), 1, sharex=True))
+    curves = {"curvature [1/km]": lambda found: 1e3 * found.curvature, "cant [mm]": lambda found: 1e3 * found.cant}
+    if _rises(several):
+        curves["gradient [per mille]"] = lambda found: 1e3 * np.tan(found.gradient)
+    for axis, (label, values) in zip(panels, curves.items(), strict=False):
+        axis.set_ylabel(label)
+        for k, one in enumerate(several):
+            if one.track is not None:
+                style = _styles(several)(one, None)
+                style["linewidth"] += 1.5 * (len(several) - 1 - k)  # like tracks stay visible under one another
+                axis.plot(one.track.s, values(one.track), **style)
+    places = (("rails up [mm]", 1, -1e3), ("rails to the right [mm]", 0, 1e3))
+    for axis, (label, direction, factor) in zip(panels[len(curves) :], places, strict=False):
+        axis.set_ylabel(label)
+        for one in several:
+            if one.rails is not None:
+                s, moved = one.rails
+                for side, values in zip(("right", "left"), moved[:, direction], strict=True):
+                    style = _styles(several)(one, side)
+                    style["label"] = style["label"].replace(" wheel", " rail")
+                    axis.plot(s, factor * values, **style)
+    panels[-1].set_xlabel("s [m]")
 
 
 def _bodies(several):
@@ -266,8 +289,8 @@ def _shade(axis, several):
     scenarios = [one.scenario for one in several]
     if None in scenarios or any(scenario.track != scenarios[0].track for scenario in scenarios[1:]):
         return
-    s, curvature, _ = max((one.track for one in several), key=lambda track: track[0].size)
-    axis.fill_between(s, 0.0, 1.0, where=np.abs(curvature) > BENT, transform=axis.get_xaxis_transform(),
+    track = max((one.track for one in several), key=lambda track: track.s.size)
+    axis.fill_between(track.s, 0.0, 1.0, where=np.abs(track.curvature) > BENT, transform=axis.get_xaxis_transform(),
                       color=GREY, alpha=0.12, linewidth=0.0, zorder=0)  # fmt: skip
 
 

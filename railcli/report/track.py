@@ -1,4 +1,4 @@
-"""An alignment for people: curvature, cant, gradient and gauge over s, a table of its sections, warnings."""
+"""A track for people: curvature, cant, gradient, gauge and irregularity over s, a table of its sections, warnings."""
 
 from pathlib import Path
 
@@ -23,7 +23,7 @@ HEADS = {"cant_deficiency": "I", "cant_excess": "E", "twist": "twist", "cant_rat
          "cant_deficiency_rate": "dI/dt", "vertical_acceleration": "V^2/Rv"}  # fmt: skip
 PANEL_OF = {"twist": "cant", "cant": "cant", "vertical_acceleration": "gradient"}  # where a warning is marked
 PIVOT_WORDS = {"centre": "middle of the track", "inner": "inner rail", "outer": "outer rail"}
-POINTS = 2000  # of a drawn line, at least
+POINTS, FINE_POINTS = 2000, 20_000  # of a drawn line, at least; of irregularity
 NOTHING = 1e-4  # of a printed unit
 LABELLED = 0.07  # of the width: shorter sections are not named
 
@@ -188,7 +188,8 @@ def plot(name, case, judged, speed, path):
         [m/s]
     path : path-like
     """
-    draw(lambda figure: _panels(figure, name, case, judged, speed), Path(path), (10.0, 8.0))
+    height = 11.0 if case.irregularity else 8.0
+    draw(lambda figure: _panels(figure, name, case, judged, speed), Path(path), (10.0, height))
 
 
 def _panels(figure, name, case, judged, speed):
@@ -197,7 +198,10 @@ def _panels(figure, name, case, judged, speed):
     s = np.union1d(np.linspace(0.0, length, POINTS), edges[(edges >= 0.0) & (edges <= length)])
     found = course(case.pieces, s)
     painters = {"curvature": _curvature, "cant": _cant, "gradient": _gradient, "gauge": _gauge}
-    panels = figure.subplots(len(painters), 1, sharex=True, height_ratios=(1, 1.4, 1, 1))
+    if case.irregularity:
+        painters["vertical"] = _irregularity(1, "irregularity\nup [mm]")
+        painters["lateral"] = _irregularity(0, "irregularity\nto the right [mm]")
+    panels = figure.subplots(len(painters), 1, sharex=True, height_ratios=(1, 1.4, *[1] * (len(painters) - 2)))
     axes = dict(zip(painters, panels, strict=True))
     for key, paint in painters.items():
         paint(axes[key], case, found, speed)
@@ -205,8 +209,8 @@ def _panels(figure, name, case, judged, speed):
     _warn(axes, judged)
     axes["curvature"].set_title(name)
     _name_sections(axes["curvature"], judged, length)
-    axes["gauge"].set_xlabel("s, along the track [m]")
-    axes["gauge"].set_xlim(0.0, length)
+    panels[-1].set_xlabel("s, along the track [m]")
+    panels[-1].set_xlim(0.0, length)
     for key, axis in axes.items():
         if axis.get_legend_handles_labels()[0]:
             aside = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
@@ -252,6 +256,21 @@ def _gauge(axis, case, found, speed):
     axis.plot(found.s, right, color=SERIES[1], linestyle=":", label="right rail, to the right")
     axis.set_ylabel("gauge and rails\n[mm]")
     _open(axis)
+
+
+def _irregularity(direction, label):
+    """Painter of the irregularity of both rails: 0 lateral, to the right; 1 vertical, up."""
+    up = -1.0 if direction else 1.0
+
+    def paint(axis, case, found, speed):
+        s = np.linspace(0.0, found.s[-1], FINE_POINTS)
+        right, left = up * 1e3 * case.irregularity(s)[:, direction]
+        axis.plot(s, left, color=SERIES[2], linewidth=0.8, label="left rail")
+        axis.plot(s, right, color=SERIES[1], linewidth=0.8, linestyle="--", label="right rail")
+        axis.set_ylabel(label)
+        _open(axis)
+
+    return paint
 
 
 def _open(axis, least=1.0):

@@ -1,6 +1,7 @@
 """`railcli track show` as a user sees it."""
 
 import json
+import struct
 
 import pytest
 from click.testing import CliRunner
@@ -67,3 +68,13 @@ def test_refusals(tmp_path):
     ):
         result = show(*arguments)
         assert result.exit_code == 2 and message in result.stderr and result.stdout == ""
+
+
+def test_irregularity_has_panels_of_its_own(tmp_path):
+    """Of the same width as a picture without, and higher."""
+    sizes = {}
+    for name in ("random-track", "straight-60"):
+        picture = tmp_path / f"{name}.png"
+        assert CliRunner().invoke(main, ["track", "show", name, "-o", str(picture)]).exit_code == 0
+        sizes[name] = struct.unpack(">II", picture.read_bytes()[16:24])
+    assert sizes["random-track"][0] == sizes["straight-60"][0] and sizes["random-track"][1] > sizes["straight-60"][1]
