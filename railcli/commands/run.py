@@ -18,12 +18,15 @@ def run():
 @click.option("--speed", type=float, metavar="M/S", help="Another speed  [default: the scenario's]")
 @click.option("--friction", type=float, metavar="NUMBER", help="Another friction  [default: the scenario's]")
 @click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's]")
+@click.option("--contact", multiple=True, default=("*",), metavar="GLOB",
+              help="Channels of contact patches to record, such as '*/normal'; none: none  [default: all]")  # fmt: skip
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @click.option("--no-assessment", is_flag=True, help="Leave the assessment out.")
 @results_options
 def scenario(
-    scenario, only_list, speed, friction, step, no_figures, no_assessment, output_format, output, overwrite, quiet
-):
+    scenario, only_list, speed, friction, step, contact, no_figures, no_assessment, output_format, output, overwrite,
+    quiet,
+):  # fmt: skip
     """Run a scenario: a built-in one or a TOML file; without it, the 1200 m curve at 45 m/s.
 
     Writes time series (HDF5), the main channels (CSV), summary.json, scenario.json and figures, and prints the steady
@@ -48,7 +51,7 @@ def scenario(
     for key, (group, value) in changes.items():
         if value is not None:
             case = varied(case, group, key, value)
-    record, lines, fault = _run(case, not no_figures, not no_assessment, output, overwrite, quiet)
+    record, lines, fault = _run(case, contact, not no_figures, not no_assessment, output, overwrite, quiet)
     if output_format == "json":
         from railcli.files.output import json_text
 
@@ -61,7 +64,7 @@ def scenario(
         raise SimulationError(f"{case.name}: {fault}; what was computed is in {record['folder']}")
 
 
-def _run(case, with_figures, with_assessment, output, overwrite, quiet):
+def _run(case, contact_channels, with_figures, with_assessment, output, overwrite, quiet):
     from railcli.analysis import steady_values
     from railcli.analysis.simulate import SteadyWindow, simulate
     from railcli.analysis.warm import warm
@@ -81,8 +84,8 @@ def _run(case, with_figures, with_assessment, output, overwrite, quiet):
         tables = tables_for(case, quiet, announce)
         system = assemble(case, tables)
         window = SteadyWindow(case.distance - case.average_over)
+        series = results.TimeSeries(folder / results.TIME_SERIES, system, contact_channels)
         write_json(folder / "scenario.json", case.as_dict())
-        series = results.TimeSeries(folder / results.TIME_SERIES, system)
 
         def sink(rows):
             series(rows)
@@ -110,11 +113,10 @@ def _run(case, with_figures, with_assessment, output, overwrite, quiet):
             )
         files = ["scenario.json"]
         if outcome.rows:
-            main = results.main_channels(folder / results.TIME_SERIES)
-            results.write_main_channels(main, folder / results.MAIN_CHANNELS)
+            results.write_main_channels(results.pieces(folder / results.TIME_SERIES), folder / results.MAIN_CHANNELS)
             files += [results.TIME_SERIES, results.MAIN_CHANNELS]
             if with_figures:
-                files += report.figures(case, main, folder)
+                files += report.figures(case, results.envelope(folder / results.TIME_SERIES), folder)
         record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
         lines = report.report(case, outcome, stretch, steady)
         if case.irregularity:

@@ -4,10 +4,12 @@ Track axes: x forward, y to the right, z down; angles turn right-handed about th
 """
 
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
 import numpy as np
 
 from railcli.analysis.faults import wheel_name
+from railcli.errors import InputError
 from railcli.kernels.layout import MAX_CONTACT, new_rows
 
 from .growing_hdf5 import GrowingHdf5
@@ -15,6 +17,8 @@ from .output import file_name, is_refusal, refusal, refused, whole_file
 
 TIME_SERIES = "timeseries.h5"
 MAIN_CHANNELS = "main.csv"
+PIECE, ENVELOPE = 20_000, 8000  # rows of a long run read at a time; rows of it that a picture needs
+NOTHING = "none"  # in the place of globs
 CHUNK = 1000  # rows kept in memory, and in one chunk of the file
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 FORMAT = "railcli time series"
@@ -74,6 +78,9 @@ class TimeSeries:
     ----------
     path : path-like
     system : System
+    contact_channels : sequence of str, optional
+        Globs of the channels of contact patches to keep, such as ``wheels/W1_*/contact/normal``; all when absent, none
+        for ``none``. What belongs to bodies and wheels is always kept.
 
     Attributes
     ----------
@@ -83,8 +90,17 @@ class TimeSeries:
         Of the last one [s].
     """
 
-    def __init__(self, path, system):
-        self._path, self._system = path, system
+    def __init__(self, path, system, contact_channels=("*",)):
+        self._path, self._system, self._kept_contact = path, system, contact_channels
+        wheels = [wheel_group(system, w) for w in range(system.model.wheel.size)]
+        names = [f"wheels/{wheel}/contact/{channel}" for wheel in wheels for channel in PATCH_CHANNELS]
+        for pattern in contact_channels:
+            if pattern != NOTHING and not any(fnmatchcase(name, pattern) for name in names):
+                raise InputError(
+                    "contact channels",
+                    f"{pattern!r} fits none; give a glob such as '*/normal' or 'wheels/W1_*/contact/*', or "
+                    f"{NOTHING!r}; known: {', '.join(PATCH_CHANNELS)}",
+                )
         self._held = new_rows(system.model, CHUNK)
         self._count = self.rows = 0
         self.time = 0.0
@@ -169,7 +185,10 @@ class TimeSeries:
                 dataset = _dataset(file, f"{group}/{channel}", (), units, description)
                 yield dataset, lambda rows, w=w, key=key: rows.rail[key][:, w]
             for channel, (key, units, description) in PATCH_CHANNELS.items():
-                dataset = _dataset(file, f"{group}/contact/{channel}", (MAX_CONTACT,), units, description)
+                name = f"{group}/contact/{channel}"
+                if not any(fnmatchcase(name, pattern) for pattern in self._kept_contact):
+                    continue
+                dataset = _dataset(file, name, (MAX_CONTACT,), units, description)
                 absent = 0.0 if key in FORCES_OF_A_PATCH else np.nan
                 yield (
                     dataset,
@@ -216,23 +235,24 @@ class MainChannels:
     sprung: tuple
 
 
-def main_channels(path):
-    """Main channels of a file of time series."""
+def main_channels(path, rows=slice(None)):
+    """Main channels of a file of time series; some of its rows when a slice is given."""
     import h5py
 
     with h5py.File(path, "r", locking=False) as file:
         bodies, wheelsets, wheels = (list(file.attrs[key]) for key in ("bodies", "wheelsets", "wheels"))
         sprung = [name for name in bodies if name not in wheelsets]
-        read = {name: file[f"bodies/{name}/position"][()] for name in [bodies[0], *wheelsets]}
-        count = file["time"].size
+        read = {name: file[f"bodies/{name}/position"][rows] for name in [bodies[0], *wheelsets]}
+        time = file["time"][rows]
+        count = time.size
         return MainChannels(
-            time=file["time"][()],
+            time=time,
             distance=read[bodies[0]][:, 0],
             lateral=_side_by_side([read[name][:, 1] for name in wheelsets], count),
-            yaw=_side_by_side([file[f"bodies/{name}/rotation"][:, 2] for name in wheelsets], count),
-            y_force=_side_by_side([file[f"wheels/{name}/Y"][()] for name in wheels], count),
-            q_force=_side_by_side([file[f"wheels/{name}/Q"][()] for name in wheels], count),
-            acceleration=_side_by_side([file[f"bodies/{name}/acceleration"][()] for name in sprung], count, 3),
+            yaw=_side_by_side([file[f"bodies/{name}/rotation"][rows, 2] for name in wheelsets], count),
+            y_force=_side_by_side([file[f"wheels/{name}/Y"][rows] for name in wheels], count),
+            q_force=_side_by_side([file[f"wheels/{name}/Q"][rows] for name in wheels], count),
+            acceleration=_side_by_side([file[f"bodies/{name}/acceleration"][rows] for name in sprung], count, 3),
             wheels=tuple(wheels),
             sprung=tuple(sprung),
         )
@@ -242,8 +262,62 @@ def _side_by_side(columns, count, *shape):
     return np.stack(columns, axis=1) if columns else np.empty((count, 0, *shape))
 
 
-def write_main_channels(main, path):
-    """Write main channels as a CSV file; its header names units."""
+def pieces(path, size=PIECE):
+    """The main channels of a file of time series in pieces of `size` rows, one at a time in memory."""
+    import h5py
+
+    with h5py.File(path, "r", locking=False) as file:
+        count = file["time"].size
+    for start in range(0, max(count, 1), size):
+        yield main_channels(path, slice(start, min(start + size, count)))
+
+
+def envelope(path, most=ENVELOPE):
+    """Main channels of a long run for a picture: of every bucket of rows its lowest and highest values.
+
+    Rows come in pairs then: a bucket's first and last time, lowest and highest value. Runs of at most `most` rows are
+    given as they are.
+    """
+    import h5py
+
+    with h5py.File(path, "r", locking=False) as file:
+        count = file["time"].size
+    if count <= most:
+        return main_channels(path)
+    bucket = -(-2 * count // most)
+    found = [_extremes(piece, bucket) for piece in pieces(path, max(1, PIECE // bucket) * bucket)]
+    arrays = (np.concatenate(values) for values in zip(*(one[:-2] for one in found), strict=True))
+    return MainChannels(*arrays, *found[0][-2:])
+
+
+def _extremes(piece, bucket):
+    """Values of MainChannels, in order, reduced to two rows for every bucket of rows."""
+    starts = np.arange(0, piece.time.size, bucket)
+    last = np.minimum(starts + bucket, piece.time.size) - 1
+
+    def pairs(low, high):
+        return np.stack([low, high], axis=1).reshape(-1, *low.shape[1:])
+
+    order = [pairs(values[starts], values[last]) for values in (piece.time, piece.distance)]
+    for values in (piece.lateral, piece.yaw, piece.y_force, piece.q_force, piece.acceleration):
+        order.append(pairs(np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)))
+    return (*order, piece.wheels, piece.sprung)
+
+
+def write_main_channels(mains, path):
+    """Write main channels as a CSV file; its header names units.
+
+    mains : iterable of MainChannels, the pieces of one run in order.
+    """
+    with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
+        for number, main in enumerate(mains):
+            columns = _columns(main)
+            header = ",".join(columns) if number == 0 else ""
+            np.savetxt(file, np.column_stack(list(columns.values())), "%.9g", ",", header=header, comments="")
+
+
+def _columns(main):
+    """Columns of the CSV file: name with unit -> values."""
     columns = {"time_s": main.time, "s_m": main.distance}
     for i in range(main.lateral.shape[1]):
         columns[f"W{i + 1}_y_mm"] = 1e3 * main.lateral[:, i]
@@ -254,5 +328,4 @@ def write_main_channels(main, path):
     for i, name in enumerate(main.sprung):
         for axis, letter in enumerate("xyz"):
             columns[f"{file_name(name)}_a{letter}_m_per_s2"] = main.acceleration[:, i, axis]
-    with whole_file(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
-        np.savetxt(file, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
+    return columns

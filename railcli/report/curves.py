@@ -102,11 +102,20 @@ class Curves:
 
         return self.thinned([f"wheels/{wheel}/Y", f"wheels/{wheel}/Q"], curve)[0]
 
+    @cached_property
+    def has_contact(self):
+        """Whether the channels of the contact patches that figures draw were recorded; a note when not."""
+        wheels = (wheel for pair in self.wheelsets for wheel in pair)
+        found = all(name in self.results.channels for wheel in wheels for name in _drawn_contact(wheel))
+        if not found:
+            self._note("no creepages and contact places: their channels were not recorded")
+        return found
+
     def creepages(self, wheel):
         """Of the patch of a wheel that bears most: creepages xi, eta, phi and its place on the wheel."""
         if wheel in self._creepages:
             return self._creepages[wheel]
-        names = [f"wheels/{wheel}/contact/{name}" for name in ("normal", *CREEPAGES)]
+        names = _drawn_contact(wheel)
 
         def of(k):
             def curve(normal, *rest):
@@ -166,6 +175,10 @@ class Curves:
     def _note(self, text):
         if text not in self.notes:
             self.notes.append(text)
+
+
+def _drawn_contact(wheel):
+    return [f"wheels/{wheel}/contact/{name}" for name in ("normal", *CREEPAGES)]
 
 
 def _extremes(values, bucket):

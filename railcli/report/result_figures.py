@@ -65,7 +65,8 @@ def figures(several):
         )
         size = (wide, _track_rows(several) * PANEL[1] + HEAD)
         found.append(_painted("track", "Track", caption, _track, size, several))
-    found += [_of_wheelsets(several, *entry) for entry in WHEELSET_FIGURES]
+    left_out = () if any([one.has_contact for one in several]) else OF_CONTACT
+    found += [_of_wheelsets(several, *entry) for entry in WHEELSET_FIGURES if entry[0] not in left_out]
     if bodies := _bodies(several):
         size = (wide, len(bodies) * PANEL[1] + HEAD)
         caption = (
@@ -127,12 +128,14 @@ def _quotient(axis, one, style, k, side):
 
 def _creepage(place, factor):
     def paint(axis, one, style, k, side):
-        values = one.creepages(one.wheelsets[k][SIDES.index(side)])[place]
-        axis.plot(one.s, factor * values, **style(one, side))
+        if one.has_contact:
+            values = one.creepages(one.wheelsets[k][SIDES.index(side)])[place]
+            axis.plot(one.s, factor * values, **style(one, side))
 
     return paint
 
 
+OF_CONTACT = ("creepages", "contact")  # figures of channels that a run may leave out
 OVER_S = "Over arc length of the first body; curves of the track are shaded."
 WHEELSET_FIGURES = (  # name, title, caption, quantities: label, painter, painted for each side
     (

@@ -209,3 +209,10 @@ def test_sides_that_differ_are_named(scenario_file, tmp_path, table_file, profil
     assert "right ORES1002 on UIC60; left ORES1002 on 60E1" in result.output
     used = json.loads((out / "summary.json").read_text())["provenance"]["contact_tables"]
     assert [table["rail"]["name"] for table in used] == ["UIC60", "60E1"]
+
+
+def test_contact_channels_that_do_not_exist_leave_nothing(tmp_path):
+    result = CliRunner().invoke(main, ["run", "scenario", "-q", "--contact", "*/none", "-o", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert "'*/none' fits none" in result.stderr
+    assert not (tmp_path / "out").exists()

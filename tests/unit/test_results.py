@@ -7,9 +7,9 @@ import h5py
 import numpy as np
 import pytest
 
-from railcli.errors import SimulationError
+from railcli.errors import InputError, SimulationError
 from railcli.files.growing_hdf5 import GrowingHdf5, uninterrupted
-from railcli.files.results import CHUNK, TimeSeries, main_channels, write_main_channels
+from railcli.files.results import CHUNK, TimeSeries, envelope, main_channels, pieces, write_main_channels
 from railcli.kernels.layout import new_rows
 
 SEED = 1
@@ -123,7 +123,7 @@ def test_csv_has_a_column_for_each_main_channel(wagon, tmp_path):
         for part in parts:
             series(part)
     main = main_channels(tmp_path / "a.h5")
-    write_main_channels(main, tmp_path / "main.csv")
+    write_main_channels([main], tmp_path / "main.csv")
     header, *lines = (tmp_path / "main.csv").read_text().splitlines()
     values = dict(zip(header.split(","), np.array([line.split(",") for line in lines], float).T, strict=True))
     wheelset = wagon.wheelsets[1]
@@ -138,3 +138,44 @@ def test_csv_has_a_column_for_each_main_channel(wagon, tmp_path):
     }
     for name, column in expected.items():
         np.testing.assert_allclose(values[name], column, rtol=1e-8)
+
+
+def test_csv_in_pieces_is_that_of_the_whole(wagon, tmp_path):
+    with TimeSeries(tmp_path / "a.h5", wagon) as series:
+        for part in blocks(wagon, 70)[1]:
+            series(part)
+    write_main_channels([main_channels(tmp_path / "a.h5")], tmp_path / "whole.csv")
+    write_main_channels(pieces(tmp_path / "a.h5", 16), tmp_path / "pieces.csv")
+    assert (tmp_path / "whole.csv").read_text() == (tmp_path / "pieces.csv").read_text()
+
+
+@pytest.mark.parametrize("most", [20, 41])
+def test_envelope_of_a_long_run_keeps_every_peak(wagon, tmp_path, most):
+    with TimeSeries(tmp_path / "a.h5", wagon) as series:
+        for part in blocks(wagon, 70)[1]:
+            series(part)
+    whole, drawn = main_channels(tmp_path / "a.h5"), envelope(tmp_path / "a.h5", most)
+    assert drawn.time.size <= most
+    assert (drawn.time[[0, -1]] == whole.time[[0, -1]]).all() and (np.diff(drawn.time) >= 0.0).all()
+    for key in ("lateral", "yaw", "y_force", "q_force", "acceleration"):
+        few, all_of_it = getattr(drawn, key), getattr(whole, key)
+        assert (few.max(axis=0) == all_of_it.max(axis=0)).all() and (few.min(axis=0) == all_of_it.min(axis=0)).all()
+    assert envelope(tmp_path / "a.h5", 70).time.size == 70
+
+
+@pytest.mark.parametrize("patterns, count", [(("none",), 0), (("*/normal", "*/W2_left/contact/xi"), 9)])
+def test_only_the_contact_channels_asked_for(wagon, tmp_path, patterns, count):
+    with TimeSeries(tmp_path / "a.h5", wagon, patterns) as series:
+        for part in blocks(wagon, 5)[1]:
+            series(part)
+    found = []
+    with h5py.File(tmp_path / "a.h5") as file:
+        file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
+        assert "Q" in file["wheels/W1_right"]
+    assert len([name for name in found if "/contact/" in name]) == count
+
+
+def test_contact_channels_that_do_not_exist(wagon, tmp_path):
+    with pytest.raises(InputError, match="'\\*/Normal' fits none.*known: normal"):
+        TimeSeries(tmp_path / "a.h5", wagon, ("*/Normal",))
+    assert list(tmp_path.iterdir()) == []
