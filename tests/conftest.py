@@ -31,7 +31,7 @@ def run_python(tmp_path):
             env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=1200,
         )
 
     return run

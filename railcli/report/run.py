@@ -1,5 +1,6 @@
 """A run for people: the steady values of its end as text, time series as figures."""
 
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from railcli.model.track import pack
 from .figures import GREY, SERIES, draw
 from .text import columns, facts
 
+LINE = 118  # characters of a description
 FIGURES = ("wheelsets", "wheel_loads", "lateral_forces", "accelerations")
 PIECE_POINTS = 9  # at which the curvature of a piece of track is drawn
 LABELLED = 0.12  # of the width: shorter sections are not named
@@ -95,6 +97,7 @@ def report(scenario, outcome, stretch, steady):
     """
     reached = f"{outcome.distance:.1f} m, {outcome.time:.2f} s"
     lines = [f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name]
+    lines += textwrap.wrap(scenario.description, LINE, initial_indent="  ", subsequent_indent="  ")
     lines += facts(
         [
             ("reached", reached),

@@ -172,6 +172,6 @@ def test_ctrl_c_leaves_nothing(tmp_path):
         time.sleep(6.0)
         assert process.poll() is None
         process.send_signal(signal.SIGINT)
-        _, message = process.communicate(timeout=60)
+        _, message = process.communicate(timeout=300)
     assert process.returncode == 130, message
     assert list(tmp_path.iterdir()) == []

@@ -231,6 +231,6 @@ def test_two_processes_that_build_at_once_do_not_disturb_each_other(coarse, prof
     code_cache = os.environ.get("NUMBA_CACHE_DIR") or str(jit.cache_root() / "code")
     environment = {**os.environ, **places, "NUMBA_CACHE_DIR": code_cache}
     both = [subprocess.Popen([sys.executable, "-c", code], env=environment) for _ in range(2)]
-    assert [process.wait(timeout=120) for process in both] == [0, 0]
+    assert [process.wait(timeout=600) for process in both] == [0, 0]
     (path,) = (tmp_path / "tables").iterdir()
     assert same(read(path).table, coarse)
