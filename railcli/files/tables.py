@@ -16,7 +16,7 @@ import numpy as np
 
 from railcli import __version__
 from railcli.analysis.build_table import build_table
-from railcli.analysis.certify import SEED, certify
+from railcli.analysis.certify import SEED, certify, shortcomings
 from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
@@ -346,7 +346,16 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
         table, facts = build_table(
             wheel, rail, settings, method, lambda share: progress.update(share * settings.positions)
         )
-    return table, facts, measure(table, wheel, rail, poses, quiet, seed) if poses else {}
+    if not poses:
+        return table, facts, {}
+    certificate = measure(table, wheel, rail, poses, quiet, seed)
+    if found := shortcomings(certificate):
+        print(
+            f"Warning: contact table of {wheel.name} on {rail.name}: {'; '.join(found)}; smooth measured profiles "
+            "(railcli profile import --smooth 4) or refine the grid (railcli build-lut --accuracy)",
+            file=sys.stderr,
+        )
+    return table, facts, certificate
 
 
 def measure(table, wheel, rail, poses, quiet=False, seed=None, axis=None):

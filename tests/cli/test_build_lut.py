@@ -175,3 +175,11 @@ def test_ctrl_c_leaves_nothing(tmp_path):
         _, message = process.communicate(timeout=300)
     assert process.returncode == 130, message
     assert list(tmp_path.iterdir()) == []
+
+
+def test_table_that_falls_short_says_so(tmp_path):
+    """A grid too coarse for the flange: built and written, with a warning that names figures and remedies."""
+    result = build(*COARSE, "-o", tmp_path / "coarse.h5")
+    assert result.exit_code == 0 and (tmp_path / "coarse.h5").exists()
+    assert "Warning: contact table of ORES1002 on UIC60: p99 of " in result.stderr
+    assert "--smooth 4" in result.stderr and "--accuracy" in result.stderr
