@@ -8,6 +8,10 @@ the unit circle and the traction bound 1 - x^2 - y^2. Then
 marching from there (x > 0) to the trailing edge, with p cut back to the bound wherever it is larger. ux, uy and wa, wb
 are the creepages in the scale of the bound (`scaled_creepages`); wa : wb = a : b. Forces are those on the wheel for
 slip of the wheel over the rail.
+
+Kalker (1982), Vehicle System Dynamics 11, 1-13. Range: steady rolling of an ellipse of Hertz, like materials, one
+coefficient of friction in the patch; any creepage and spin. Against the full solution 0.03 mu N in the mean, 0.16 at
+most; full slip is reached later, because the true pressure bounds traction by an ellipsoid.
 """
 
 import math
