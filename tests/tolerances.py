@@ -37,6 +37,8 @@ CREEP_TABLE_MEAN, CREEP_TABLE_MAX = 0.015, 0.06  # of the limit, spin beyond tha
 CREEP_BOUND = 5e-3  # of the limit: FASTSIM sums a pressure over 10 strips; measured 1.5e-3
 CREEP_TANGENT = 1e-3  # of the limit: differences over 1e-6 of a creepage, and elements that begin to slip within them
 CREEP_LINEAR = 8e-3  # of the limit: ten strips of FASTSIM; measured 6.6e-3
+CREEP_MOMENT_LEFT = 0.02  # of limit times semi-axis, far beyond full sliding, where it vanishes as 1 / slip
+CREEP_SCALED = 1e-9  # sums over 100 elements and interpolation of places rounded at 1e-16
 CREEP_POWER = 1e-9  # of friction limit times creepage: no power is gained
 
 # --- Profiles (lengths in m) ---

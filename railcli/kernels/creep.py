@@ -61,13 +61,9 @@ def forces(law, f11, f22, f23, f33, limit, xi, eta, phi):
     Parameters
     ----------
     law : int
-        A member of `Creep`.
-    f11, f22, f23, f33 : float
-        Linear coefficients [N, N, N m, N m^2].
-    limit : float
-        Friction times normal force [N]; no force unless positive.
-    xi, eta, phi : float
-        Longitudinal, lateral [-] and spin [1/m] creepage.
+        HARD or SMOOTH of `Creep`.
+    f11, f22, f23, f33, limit, xi, eta, phi : float
+        As `tangential`.
 
     Returns
     -------

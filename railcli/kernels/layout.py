@@ -2,7 +2,7 @@
 
 Frames (docs/nomenclature.md): the *track frame* at arc length s has x forward, y right, z down, its origin midway
 between the rails in the plane of their tops; the *frame of a body* follows the body's yaw, roll and pitch, but for a
-wheelset not its pitch, which is its spin. Left and right wheel share one contact table: the left enters it mirrored.
+wheelset not its pitch, which is its spin. A left wheel enters its contact table mirrored.
 """
 
 from enum import IntEnum

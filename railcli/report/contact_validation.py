@@ -5,7 +5,7 @@ import numpy as np
 from railcli.analysis.contact_benchmark import deviations
 from railcli.analysis.contact_check import COEFFICIENTS, PUBLISHED
 
-from .text import columns
+from .text import columns, sectioned
 
 FIGURES = ("benchmark", "forces", "creep")
 SIDES = ("right", "left")
@@ -272,10 +272,7 @@ def verdict_line(result):
 
 def terminal(sections, result):
     """The report for a terminal."""
-    lines = ["Wheel-rail contact against published references"]
-    for title, body in sections:
-        lines += ["", title, *body]
-    return "\n".join([*lines, "", verdict_line(result)])
+    return sectioned("Wheel-rail contact against published references", sections, verdict_line(result))
 
 
 def markdown(sections, result, origin, figures=True):

@@ -22,3 +22,11 @@ def facts(pairs, indent="  "):
     """Lines of `name  value`, the values aligned to the left."""
     width = max(len(name) for name, _ in pairs)
     return [f"{indent}{name.ljust(width)}  {value}" for name, value in pairs]
+
+
+def sectioned(head, sections, last):
+    """Text of a head, sections of a title and lines each, and a last line, with empty lines between."""
+    lines = [head]
+    for title, body in sections:
+        lines += ["", title, *body]
+    return "\n".join([*lines, "", last])

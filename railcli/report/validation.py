@@ -5,7 +5,7 @@ import numpy as np
 from railcli.analysis.validate import READINGS, SUPPORTED, balance_error, deviations
 
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
-from .text import columns, facts
+from .text import columns, facts, sectioned
 
 READING_TEXT = {
     "as_printed": "as printed, all outwards",
@@ -367,10 +367,7 @@ def verdict_line(record):
 
 def terminal(sections, record):
     """The report for a terminal."""
-    lines = ["Manchester passenger wagon, published curve"]
-    for title, body in sections:
-        lines += ["", title, *body]
-    return "\n".join([*lines, "", verdict_line(record)])
+    return sectioned("Manchester passenger wagon, published curve", sections, verdict_line(record))
 
 
 def markdown(sections, record, figures=FIGURES):
