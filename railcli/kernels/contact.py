@@ -428,9 +428,9 @@ def slip(model, data):
             eta = (dot(across, v) + dot(arm_t, omega)) * per_speed
             phi = dot(normal, omega) * per_speed
             n = contact["normal"]
-            friction, fall = wheel["friction"], 0.0
-            slid = sqrt(xi * xi + eta * eta)
+            friction, fall, slid = wheel["friction"], 0.0, 0.0
             if param["friction_decay"] > 0.0:
+                slid = sqrt(xi * xi + eta * eta)
                 friction, fall = falling_friction(
                     param["friction_ratio"], param["friction_decay"], friction, slid / per_speed
                 )
