@@ -213,7 +213,9 @@ class Scenario(Description):
 
     def as_dict(self):
         """All values, defaults included, with units in the keys: what provenance records."""
-        return self.model_dump(mode="json")
+        values = self.model_dump(mode="json")
+        values["run"]["average_over_m"] = self.average_over
+        return values
 
     def digest(self):
         """Hex digest of all that decides the results; equal for equal scenarios, whatever their file looks like."""

@@ -20,6 +20,7 @@ from railcli.analysis.build_table import build_table
 from railcli.cli import main
 from railcli.files import growing_hdf5, tables
 from railcli.files.profiles import load_profile
+from railcli.files.read_results import Results
 
 SCENARIO = """
 [run]
@@ -216,3 +217,14 @@ def test_contact_channels_that_do_not_exist_leave_nothing(tmp_path):
     assert result.exit_code == 2
     assert "'*/none' fits none" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_results_of_a_run_shorter_than_the_usual_average_are_read_again(tmp_path):
+    """What is recorded of the scenario describes it as it ran: 60 m, averaged over all of them."""
+    file = tmp_path / "short.toml"
+    file.write_text('[run]\nspeed_m_per_s = 20\n[[track]]\nkind = "straight"\nlength_m = 60\n')
+    result = CliRunner().invoke(main, ["run", "scenario", str(file), "-q", "--no-figures", "-o", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.stderr
+    with Results(tmp_path / "out") as results:
+        assert results.scenario.average_over == 60.0
+    assert "error" not in json.loads((tmp_path / "out/summary.json").read_text())["assessment"]
