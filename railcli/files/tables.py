@@ -352,7 +352,7 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
     if found := shortcomings(certificate):
         print(
             f"Warning: contact table of {wheel.name} on {rail.name}: {'; '.join(found)}; smooth measured profiles "
-            "(railcli profile import --smooth 4) or refine the grid (railcli build-lut --accuracy)",
+            "(railcli profile import --smooth 4, or 8) or refine the grid (railcli build-lut --accuracy)",
             file=sys.stderr,
         )
     return table, facts, certificate
