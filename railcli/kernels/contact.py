@@ -372,7 +372,17 @@ def touch(model, data):
 
 @kernel
 def slip(model, data):
-    """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load, fill data.creep_damping.
+    """Creep of every loaded patch: complete data.contact and data.rail, add both to data.load.
+
+    Fills data.rail_load and data.creep_damping on the way.
+    """
+    for w in range(0, model.wheel.size, 2):
+        slip_wheelset(model, data, w)
+
+
+@kernel
+def slip_wheelset(model, data, first):
+    """`slip` of the wheelset whose wheels are first and first + 1, at data.v.
 
     The rail is at rest. Its direction at the contact differs from that of the track frame by its own slopes and bend,
     and by the frame's rotation and motion per metre: by curvature ahead of the axle, and on a cant ramp by the slope of
@@ -381,17 +391,16 @@ def slip(model, data):
     param = model.param[0]
     block = data.creep_damping
     shifted = model.shift.shape[0] > 0
-    for i in range(model.body.size):
-        if model.body[i]["spins"]:
-            for a in range(6):
-                for b in range(6):
-                    block[i, a, b] = 0.0
-    for w in range(model.wheel.size):
+    i = model.wheel[first]["body"]
+    for a in range(6):
+        data.rail_load[i, a] = 0.0
+        for b in range(6):
+            block[i, a, b] = 0.0
+    for w in range(first, first + 2):
         wheel, rail = model.wheel[w], data.rail[w]
         patches = int(rail["patches"])
         if patches == 0:
             continue
-        i = wheel["body"]
         frame = data.frame[i]
         sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
         forward, axle, down = (cy, sy, 0.0), (-sy * cr, cy * cr, sr), (sy * sr, -cy * sr, cr)
@@ -462,12 +471,14 @@ def slip(model, data):
                 for a in range(6):
                     block[i, a, b] -= g0[a] * hx + g1[a] * ht + g2[a] * hn
         rail["x"], rail["y"], rail["q"] = -force[0], -force[1], -force[2]
-        load = data.load
+        load = data.rail_load
         for a in range(3):
             load[i, a] += force[a]
         load[i, 3] += dot(forward, moment)
         load[i, 4] += dot(axle, moment)
         load[i, 5] += dot(down, moment)
+    for a in range(6):
+        data.load[i, a] += data.rail_load[i, a]
 
 
 @kernel

@@ -50,7 +50,15 @@ numba.config.CACHE_DIR = str(_FOLDER)
 
 
 def kernel(function):
-    """Compile a function of the core; types are taken from its first call."""
+    """Compile a function of the core into each of its callers; types are taken from its first call.
+
+    A call that stays a call passes every array of Model and Data through memory.
+    """
+    return numba.njit(forceinline=True, **OPTIONS)(function)
+
+
+def seldom(function):
+    """As `kernel`, for a large function that few steps need: it stays a call."""
     return numba.njit(**OPTIONS)(function)
 
 

@@ -68,6 +68,7 @@ PARAM = np.dtype(
         ("hold", "f8"),  # force per speed error on the first body, along its track tangent [N s/m]
         ("creep_law", "i8"),  # Creep
         ("creep_speed", "f8"),  # creepages are divided by at least this speed [m/s]
+        ("settled", "f8"),  # change of creepages within which a step takes creep forces as linear in them [-]
         ("fastsim_grid", "i8"),  # strips of a patch, and elements of a strip
         ("adhesion_reduction", "f8"),  # k_A of Polach's law [-]
         ("slip_reduction", "f8"),  # k_S of Polach's law [-]
@@ -323,10 +324,12 @@ class Data(NamedTuple):
     clock: np.ndarray  # state: (1,) time [s]
     q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
     v_start: np.ndarray  # derived: (n_body, 6)
+    dv_start: np.ndarray  # derived: (n_body, 6) acceleration of the last step
     rate: np.ndarray  # derived: (n_body, 6) dq/dt
     frame: np.ndarray  # derived: (n_body,) FRAME
     damper_rate: np.ndarray  # derived: (n_state,) [m/s]
     load: np.ndarray  # derived: (n_body, 6) M dv/dt: force in track axes, moment in own axes [N, N m]
+    rail_load: np.ndarray  # derived: (n_body, 6) part of it from the rails: normal and creep forces
     sample: np.ndarray  # derived: (SAMPLE_ROWS, NODE_CHANNELS) table values of the wheel at hand
     contact: np.ndarray  # derived: (n_wheel, MAX_CONTACT) CONTACT
     rail: np.ndarray  # derived: (n_wheel,) RAIL
@@ -376,8 +379,10 @@ DATA_TYPE = types.NamedTuple(
         mutable(np.float64, 2),
         mutable(np.float64, 2),
         mutable(np.float64, 2),
+        mutable(np.float64, 2),
         mutable(FRAME),
         mutable(np.float64),
+        mutable(np.float64, 2),
         mutable(np.float64, 2),
         mutable(np.float64, 2),
         mutable(CONTACT, 2),
@@ -424,10 +429,12 @@ def new_data(model, q, n_damper):
         clock=np.zeros(1),
         q_start=np.zeros((n_body, 6)),
         v_start=np.zeros((n_body, 6)),
+        dv_start=np.zeros((n_body, 6)),
         rate=np.zeros((n_body, 6)),
         frame=np.zeros(n_body, FRAME),
         damper_rate=np.zeros(n_damper),
         load=np.zeros((n_body, 6)),
+        rail_load=np.zeros((n_body, 6)),
         sample=np.zeros((SAMPLE_ROWS, NODE_CHANNELS)),
         contact=np.zeros((n_wheel, MAX_CONTACT), CONTACT),
         rail=np.zeros(n_wheel, RAIL),

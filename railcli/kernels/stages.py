@@ -8,7 +8,7 @@ from .body import drift, drift_on, frames, inertia_loads
 from .contact import slip, touch
 from .jit import entry
 from .layout import DATA_TYPE, MODEL_TYPE
-from .step import accelerate, core, hold_speed
+from .step import THETA, accelerate, core, hold_speed
 from .suspension import suspension
 
 
@@ -26,7 +26,8 @@ class Stage(IntEnum):
 @entry(types.int64(MODEL_TYPE, DATA_TYPE, types.int64, types.int64))
 def repeat(model, data, stage, times):
     """Run one stage `times` times on what data holds; returns a Status. Leaves sums in data that mean nothing."""
-    half_step = 0.5 * model.param[0]["step"]
+    step = model.param[0]["step"]
+    half_step = 0.5 * step
     status = 0
     for _ in range(times):
         if stage == Stage.TRACK:
@@ -41,7 +42,7 @@ def repeat(model, data, stage, times):
             drift(model, data)
             inertia_loads(model, data)
             hold_speed(model, data)
-            accelerate(model, data, half_step)
+            accelerate(model, data, THETA * step)
             drift_on(model, data)
         else:
             status = core(model, data, 1)

@@ -4,13 +4,18 @@ from math import isfinite
 
 from numba import types
 
-from .block import block, raise_diagonal, solve, times
+from .block import block, raise_diagonal, solve
 from .body import drift, drift_on, frames, inertia_loads
-from .contact import describe_patch, slip, touch
-from .jit import entry, kernel
+from .contact import describe_patch, slip, slip_wheelset, touch
+from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
 from .suspension import suspension
-from .vec3 import add, cross, get, scale
+from .vec3 import add, cross, dot, get, scale, sub
+
+THETA = 9.0 / 16.0  # place within the step at which creep forces are taken
+ROUNDS = 12  # evaluations of the creep forces of a wheelset beyond the first
+SHORTEST = 1.0 / 64.0  # share of a Newton step below which it is halved no more
+SPIN_ARM = 0.5  # at which the spin of a wheelset counts as slip [m]
 
 
 @kernel
@@ -39,35 +44,133 @@ def loads(model, data, half_step):
 
 
 @kernel
-def accelerate(model, data, half_step):
-    """Fill data.dv from data.load; wheelsets with the damping of their creep forces implicit over half_step.
+def answer(model, data, i, reach, force, moment):
+    """(M + reach C)^-1 of a force and moment on wheelset i, C = -d load / d v of its creep forces."""
+    c, body = data.creep_damping, model.body[i]
+    mass = body["mass"]
+    p, q = block(c, i, 0, 0, reach), block(c, i, 0, 3, reach)
+    r, s = block(c, i, 3, 0, reach), block(c, i, 3, 3, reach)
+    return solve(raise_diagonal(p, (mass, mass, mass)), q, r, raise_diagonal(s, get(body["inertia"])), force, moment)
 
-    (M + half_step C) dv = load + half_step C dv_last, C = -dload/dv of the creep forces, load taken at the velocity
-    that dv_last predicts: one Newton step of the implicit midpoint rule.
+
+@kernel
+def excess(model, data, i, dv, turn):
+    """What the loads of wheelset i leave over M times its acceleration (dv, turn): force, moment, size.
+
+    The size is the square of both, each over the inertia that it moves.
     """
-    c, load, dv = data.creep_damping, data.load, data.dv
+    body, load = model.body[i], data.load
+    mass, inertia = body["mass"], get(body["inertia"])
+    force = (
+        load[i, 0] - mass * dv[0],
+        load[i, 1] - mass * dv[1],
+        load[i, 2] - mass * dv[2],
+    )
+    moment = (
+        load[i, 3] - inertia[0] * turn[0],
+        load[i, 4] - inertia[1] * turn[1],
+        load[i, 5] - inertia[2] * turn[2],
+    )
+    size = dot(force, force) / mass + (
+        moment[0] * moment[0] / inertia[0] + moment[1] * moment[1] / inertia[1] + moment[2] * moment[2] / inertia[2]
+    )
+    return force, moment, size
+
+
+@kernel
+def unsettled(model, data, i, move, turn):
+    """Whether a change of the velocity of wheelset i is too large for its creep forces to be taken as linear in it."""
+    largest = max(max(abs(move[0]), abs(move[1])), max(abs(move[2]), abs(turn[0])))
+    largest = max(largest, max(SPIN_ARM * abs(turn[1]), abs(turn[2])))
+    param = model.param[0]
+    return largest > param["settled"] * max(abs(data.v[i, 0]), param["creep_speed"])
+
+
+@kernel
+def accelerate(model, data, reach):
+    """Fill data.dv from data.load; reach : theta h [s], 0 for the accelerations of this instant.
+
+    Wheelsets take their creep forces at v0 + h (theta dv - (theta - 1/2) dv_start) by Newton's method. data.v holds
+    that velocity for dv = dv_start, where the creep forces at hand were taken; one step of the method is enough unless
+    it changes creepages noticeably.
+    """
+    load, dv = data.load, data.dv
     for i in range(model.body.size):
         body = model.body[i]
         mass, inertia = body["mass"], get(body["inertia"])
-        force, moment = (load[i, 0], load[i, 1], load[i, 2]), (load[i, 3], load[i, 4], load[i, 5])
-        if body["spins"] and half_step > 0.0:
-            p, q = block(c, i, 0, 0, half_step), block(c, i, 0, 3, half_step)
-            r, s = block(c, i, 3, 0, half_step), block(c, i, 3, 3, half_step)
+        if body["spins"] and reach > 0.0:
             u, w = (dv[i, 0], dv[i, 1], dv[i, 2]), (dv[i, 3], dv[i, 4], dv[i, 5])
-            force = add(force, add(times(p, u), times(q, w)))
-            moment = add(moment, add(times(r, u), times(s, w)))
-            u, w = solve(raise_diagonal(p, (mass, mass, mass)), q, r, raise_diagonal(s, inertia), force, moment)
+            force, moment, size = excess(model, data, i, u, w)
+            force, moment = answer(model, data, i, reach, force, moment)
+            move, turn = scale(reach, force), scale(reach, moment)
+            if unsettled(model, data, i, move, turn):
+                settle(model, data, i, reach, size, move, turn)
+                continue
+            u, w = add(u, force), add(w, moment)
         else:
-            u = scale(1.0 / mass, force)
-            w = (moment[0] / inertia[0], moment[1] / inertia[1], moment[2] / inertia[2])
+            u = scale(1.0 / mass, (load[i, 0], load[i, 1], load[i, 2]))
+            w = (load[i, 3] / inertia[0], load[i, 4] / inertia[1], load[i, 5] / inertia[2])
         for a in range(3):
             dv[i, a] = u[a]
             dv[i, 3 + a] = w[a]
 
 
+@seldom
+def settle(model, data, i, reach, size, move, turn):
+    """Newton's method, damped, for the creep forces of wheelset i: fill its data.dv (theory.md section 8.3).
+
+    size : of the `excess` at data.v.  move, turn : the first change of that velocity.
+
+    A step of the method that does not lessen the excess is halved, at most SHORTEST-fold; then the method goes on from
+    where it stands. The best velocity so far counts when ROUNDS are over.
+    """
+    v, load, first = data.v, data.load, first_wheel(model, i)
+    rest = (load[i, 0], load[i, 1], load[i, 2]), (load[i, 3], load[i, 4], load[i, 5])
+    rail = data.rail_load
+    rest = sub(rest[0], (rail[i, 0], rail[i, 1], rail[i, 2])), sub(rest[1], (rail[i, 3], rail[i, 4], rail[i, 5]))
+    start = (v[i, 0], v[i, 1], v[i, 2]), (v[i, 3], v[i, 4], v[i, 5])
+    before = (data.dv[i, 0], data.dv[i, 1], data.dv[i, 2]), (data.dv[i, 3], data.dv[i, 4], data.dv[i, 5])
+    good, good_turn = start
+    best, best_turn, least = good, good_turn, size
+    per_reach, share = 1.0 / reach, 1.0
+    for _ in range(ROUNDS):
+        at, at_turn = add(good, scale(share, move)), add(good_turn, scale(share, turn))
+        for a in range(3):
+            v[i, a], v[i, 3 + a] = at[a], at_turn[a]
+            load[i, a], load[i, 3 + a] = rest[0][a], rest[1][a]
+        slip_wheelset(model, data, first)
+        u = add(before[0], scale(per_reach, sub(at, start[0])))
+        w = add(before[1], scale(per_reach, sub(at_turn, start[1])))
+        force, moment, left = excess(model, data, i, u, w)
+        if not left < size and share > SHORTEST:
+            share *= 0.5
+            continue
+        force, moment = answer(model, data, i, reach, force, moment)
+        good, good_turn, size, share = at, at_turn, left, 1.0
+        move, turn = scale(reach, force), scale(reach, moment)
+        if left < least:
+            best, best_turn, least = at, at_turn, left
+        if not unsettled(model, data, i, move, turn):
+            best, best_turn = add(at, move), add(at_turn, turn)
+            break
+    u = add(before[0], scale(per_reach, sub(best, start[0])))
+    w = add(before[1], scale(per_reach, sub(best_turn, start[1])))
+    for a in range(3):
+        data.dv[i, a], data.dv[i, 3 + a] = u[a], w[a]
+
+
+@kernel
+def first_wheel(model, i):
+    """Number of the first of the two wheels of wheelset i."""
+    w = 0
+    while model.wheel[w]["body"] != i:
+        w += 2
+    return w
+
+
 @kernel
 def step(model, data):
-    """One step of the implicit-explicit midpoint rule, second order, one evaluation of the loads."""
+    """One step: midpoint rule, but for creep forces, which are implicit at THETA; one evaluation of the other loads."""
     h = model.param[0]["step"]
     half = 0.5 * h
     n = model.body.size
@@ -78,12 +181,13 @@ def step(model, data):
         for k in range(6):
             data.q_start[i, k] = data.q[i, k]
             data.v_start[i, k] = data.v[i, k]
+            data.dv_start[i, k] = data.dv[i, k]
             data.q[i, k] += half * data.rate[i, k]
             data.v[i, k] += half * data.dv[i, k]
     status = loads(model, data, half)
     if status != 0:
         return status
-    accelerate(model, data, half)
+    accelerate(model, data, THETA * h)
     for i in range(n):
         for k in range(6):
             data.v[i, k] = data.v_start[i, k] + half * data.dv[i, k]

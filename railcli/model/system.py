@@ -17,6 +17,7 @@ from .submodels import CREEP_LAWS, choose
 HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
 HOLD_SHARE = 0.5  # of the body's mass over the step: the holding force acts explicitly and must not overshoot
 CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
+SETTLED = 1e-4  # change of creepages within which a step takes creep forces as linear in them
 NARROW_PLAY = 0.075  # gauge less flange back at which the usual range of a contact table is enough [m]
 DERAIL_LIFT = 0.030  # a wheel lifted by more than its flange's height has left the rail [m]
 
@@ -129,6 +130,7 @@ def parameters(scenario):
     param["hold"] = min(HOLD, HOLD_SHARE * scenario.vehicle.bodies[0].mass / scenario.run.step)
     param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
     param["creep_speed"] = CREEP_SPEED
+    param["settled"] = SETTLED
     for key in ("friction_ratio", "friction_decay", "adhesion_reduction", "slip_reduction", "fastsim_grid"):
         param[key] = getattr(scenario.contact, key)
     param["damping"] = scenario.contact.damping
