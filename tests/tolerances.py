@@ -60,7 +60,7 @@ EN15302_RAIL_TOP = 1.5e-6  # digitised from smoothed points; measured 1.0e-6
 SECTION_STEP = 1.3e-7  # largest step of the published S1002 sections, 0.12 micrometres at s = -35 mm
 
 # --- Vehicle, track and scenario descriptions ---
-PRINTED_LOAD = 0.5  # [N] half a unit of the last digit of loads printed in kN with three decimals
+PRINTED_LOAD = 0.501  # [N] half a unit of the last digit of loads printed in kN with three decimals
 STATICS = 1e-6  # [N, N m] rounding in least squares among loads of 1e5 N
 PLACE = 1e-12  # [m] sums of a few coordinates of at most 10 m
 TRACK_PLACE = 1e-9  # [m] 1e-12 per piece and rounding of some hundred metres, summed over up to 200 pieces
@@ -212,6 +212,10 @@ BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 
 
 # --- Linear analysis ---
 EIGENVALUE = 1e-9  # relative: forces are linear, rounded at 1e-16 of 1 m over steps of 1e-7 m; measured 3e-11
+BLOCKED = 1e-8  # relative: the same, and bodies of 32 t on rounded heights; measured 1.2e-9
+BLOCKED_PLANE = 5e-6  # relative: rounding under springs of 1e9 N/m; a nearly critically damped pitch 2.4e-6
+HALF_A_DIGIT = 0.51  # of a unit of the last digit printed
+PRINTED_HZ = 6e-5  # [Hz] half a unit of the last digit
 TEXTBOOK = 1e-3  # relative: the heavy frame swings along, 1e-4 of the frequency squared, and rolls; measured 5e-4
 TEXTBOOK_CREEP = 0.01  # relative: two roots 10 % apart take up each other's errors; measured 5e-3
 WICKENS = 4e-3  # relative: his formulas are of first order in the angle of 0.04, amplitudes finite; measured 2e-3
