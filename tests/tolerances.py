@@ -73,6 +73,9 @@ TRACK_AXES = 1e-11  # [-] rounding of headings of some radian, summed over up to
 TRACK_TURNING = 1e-11  # [1/m] central differences over 2 mm: rounding of axes, 1e-16 over 1e-3; measured 1.4e-12
 TRACK_MOTION = 1e-9  # [-] likewise of places of 280 m, 6e-14 over 1e-3, and h^2/6 of second derivatives of 1e-5
 RATE = 1e-7  # [m/s, rad/s] central differences over 0.2 ms of places of 300 m: rounding 3e-10; third derivatives 2e-8
+GROUND_BALANCE = 1e-8  # over the weight, arms in m: accelerations of 1e-9 m/s^2 left by Newton's method; measured 1e-10
+POWER_BALANCE = 1e-8  # of the traction's: the same times the mass; measured 1e-10
+BENT_RAIL_POWER = 1e-3  # N keeps to the plane of the axle where the rail bends ahead: N V a_x / R, a_x to 10 mm
 TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
 ENERGY_SLOPE = 1e-9  # relative: central differences over 2e-5, rounding and third derivatives 1e-10; measured 9e-11
 RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it
@@ -123,6 +126,9 @@ ROTATED_SMOOTHING = 1e-9  # [m] smoothing has no axes: rounding, and a band solv
 
 # --- Comparison with the published curve ---
 IDENTIFIED = 1e-5  # of friction: the search stops at 1e-6, twice the jackknife error at a few times that
+PRINTED_TENTH = 0.05  # [mm, kN] half a unit of the last digit
+R150_TRAILING_Q = 0.7  # [kN] beyond either code: half of the transfer of 1.6 kN, in one bogie's wheelsets
+R150_TRANSFER = 0.4  # [kN] the codes differ by 0.3; eight values with one decimal
 
 # `railcli run scenario`
 BALANCE_KN = 0.2  # sums of rail forces against mass times acceleration: what is left of the run-in at the end of a run
