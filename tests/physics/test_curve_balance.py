@@ -28,7 +28,7 @@ class Curving:
 
     def __init__(self, table, radius):
         cant, speed = CURVES[radius]
-        system = scenes.wagon(table, "curve-300", run={"speed": speed, "average_over": 1.0}, contact={"creep_law": "table"})
+        system = scenes.wagon(table, "curve-300", run={"speed": speed}, contact={"creep_law": "table"})
         self.data = data = steady(system, 1.0 / radius, cant).data
         self.model, self.frame = system.model, data.frame
         self.mass, self.inertia = system.model.body["mass"], system.model.body["inertia"]
@@ -82,10 +82,10 @@ class Curving:
     def loads(self, about):
         """Sum of forces, and of moments about a point."""
         acts = [(p["place"], p["creep"] + p["push"]) for p in self.patches]
-        acts += [(place, np.array([0.0, 0.0, m * G])) for place, m in zip(self.frame["position"], self.mass, strict=True)]
+        acts += [(body["position"], [0.0, 0.0, m * G]) for body, m in zip(self.frame, self.mass, strict=True)]
         acts.append((self.frame[0]["position"], self.traction))
         moment = sum(np.cross(place - about, force) for place, force in acts) + sum(p["moment"] for p in self.patches)
-        return sum(force for _, force in acts), moment
+        return sum(np.array(force) for _, force in acts), moment
 
 
 @pytest.fixture(scope="module")

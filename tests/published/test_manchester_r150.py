@@ -1,7 +1,7 @@
 """Steady curving at R = 150 m, by Newton's method, beside ADAMS/Rail and Universal Mechanism.
 
-Source and reading of the table: benchmarks/manchester/SOURCES.md, [R]. A value counts as met when it lies no further from
-the nearer code than the codes lie apart at most in that quantity.
+Source and reading of the table: benchmarks/manchester/SOURCES.md, [R]. A value counts as met when it lies no further
+from the nearer code than the codes lie apart at most in that quantity.
 """
 
 import csv
