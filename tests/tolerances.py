@@ -60,7 +60,7 @@ EN15302_RAIL_TOP = 1.5e-6  # digitised from smoothed points; measured 1.0e-6
 SECTION_STEP = 1.3e-7  # largest step of the published S1002 sections, 0.12 micrometres at s = -35 mm
 
 # --- Vehicle, track and scenario descriptions ---
-PRINTED_LOAD = 0.5  # [N] half a unit of the last digit of loads printed in kN with three decimals
+PRINTED_LOAD = 0.501  # [N] half a unit of the last digit of loads printed in kN with three decimals
 STATICS = 1e-6  # [N, N m] rounding in least squares among loads of 1e5 N
 PLACE = 1e-12  # [m] sums of a few coordinates of at most 10 m
 TRACK_PLACE = 1e-9  # [m] 1e-12 per piece and rounding of some hundred metres, summed over up to 200 pieces
@@ -73,6 +73,13 @@ TRACK_AXES = 1e-11  # [-] rounding of headings of some radian, summed over up to
 TRACK_TURNING = 1e-11  # [1/m] central differences over 2 mm: rounding of axes, 1e-16 over 1e-3; measured 1.4e-12
 TRACK_MOTION = 1e-9  # [-] likewise of places of 280 m, 6e-14 over 1e-3, and h^2/6 of second derivatives of 1e-5
 RATE = 1e-7  # [m/s, rad/s] central differences over 0.2 ms of places of 300 m: rounding 3e-10; third derivatives 2e-8
+RUN_PLACE, RUN_FORCE = 2e-6, 10.0  # [m], [N] windows of 10 m that repeat to this; a steady motion has no error of steps
+NO_ALTERNATION = 1.0  # [N] rounding over contact stiffness is 1e-6 N; what a run still swings by is slow
+SMALL_CYCLE_HZ = 3.0  # of a limit cycle against the root about its centre; the spectrum's lines lie 1 Hz apart
+SLOW_CURVE_KN, SLOW_CURVE_MM = 0.1, 0.02  # demanded; a small table, and 30 m of curve
+GROUND_BALANCE = 1e-8  # over the weight, arms in m: accelerations of 1e-9 m/s^2 left by Newton's method; measured 1e-10
+POWER_BALANCE = 1e-8  # of the traction's: the same times the mass; measured 1e-10
+BENT_RAIL_POWER = 1e-3  # N keeps to the plane of the axle where the rail bends ahead: N V a_x / R, a_x to 10 mm
 TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
 ENERGY_SLOPE = 1e-9  # relative: central differences over 2e-5, rounding and third derivatives 1e-10; measured 9e-11
 RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it
@@ -123,6 +130,9 @@ ROTATED_SMOOTHING = 1e-9  # [m] smoothing has no axes: rounding, and a band solv
 
 # --- Comparison with the published curve ---
 IDENTIFIED = 1e-5  # of friction: the search stops at 1e-6, twice the jackknife error at a few times that
+PRINTED_TENTH = 0.05  # [mm, kN] half a unit of the last digit
+R150_TRAILING_Q = 0.7  # [kN] beyond either code: half of the transfer of 1.6 kN, in one bogie's wheelsets
+R150_TRANSFER = 0.4  # [kN] the codes differ by 0.3; eight values with one decimal
 
 # `railcli run scenario`
 BALANCE_KN = 0.2  # sums of rail forces against mass times acceleration: what is left of the run-in at the end of a run
@@ -212,6 +222,10 @@ BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 
 
 # --- Linear analysis ---
 EIGENVALUE = 1e-9  # relative: forces are linear, rounded at 1e-16 of 1 m over steps of 1e-7 m; measured 3e-11
+BLOCKED = 1e-8  # relative: the same, and bodies of 32 t on rounded heights; measured 1.2e-9
+BLOCKED_PLANE = 5e-6  # relative: rounding under springs of 1e9 N/m; a nearly critically damped pitch 2.4e-6
+HALF_A_DIGIT = 0.51  # of a unit of the last digit printed
+PRINTED_HZ = 6e-5  # [Hz] half a unit of the last digit
 TEXTBOOK = 1e-3  # relative: the heavy frame swings along, 1e-4 of the frequency squared, and rolls; measured 5e-4
 TEXTBOOK_CREEP = 0.01  # relative: two roots 10 % apart take up each other's errors; measured 5e-3
 WICKENS = 4e-3  # relative: his formulas are of first order in the angle of 0.04, amplitudes finite; measured 2e-3

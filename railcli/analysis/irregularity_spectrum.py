@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import detrend, periodogram, welch
 
 from railcli.errors import InputError
 from railcli.model import rails
@@ -97,6 +95,8 @@ def evenly(position, samples):
     step = np.diff(position)
     if np.allclose(step, step[0], rtol=1e-6):
         return position, samples
+    from scipy.interpolate import CubicSpline  # takes half a second to load, so only where it is used
+
     even = np.linspace(position[0], position[-1], position.size)
     return even, {name: CubicSpline(position, values)(even) for name, values in samples.items()}
 
@@ -189,6 +189,8 @@ def bands(record):
     -------
     list of Band
     """
+    from scipy.signal import detrend, periodogram
+
     position, values_of = settled_part(record)
     length = float(position[-1] - position[0])
     rows = []
@@ -216,6 +218,8 @@ def bands(record):
 
 def spectra(record):
     """Welch's estimates, channel -> (frequency [1/m], one-sided density [m^2 m]), of the channels that are not zero."""
+    from scipy.signal import welch
+
     _, values_of = settled_part(record)
     size = next(iter(values_of.values())).size
     longest = max([one.longest for one in record.targets], default=BANDS["D2"][1])

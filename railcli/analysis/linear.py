@@ -85,16 +85,16 @@ def linearise(system, speed=None, scale=1.0, contact=False):
     """
     speed = system.speed if speed is None else speed
     data = steady(system, 0.0, 0.0, speed).data
-    data.damper[:] = _damper_lengths(system.model, data)
+    data.damper[:] = damper_lengths(system.model, data)
     return linear_about(system, data, speed, scale, contact)
 
 
-def linear_about(system, data, speed, scale=1.0, contact=False):
-    """Linearise a system about a motion on straight level track.
+def linear_about(system, data, speed, scale=1.0, contact=False, curved=False):
+    """Linearise a system about a steady motion: on straight level track, or on the constant curve of its own track.
 
     Nothing there depends on the common place along the track nor on the angles of the wheelsets' spin, so these
     states are left out; places along the track count from the first body. The force that holds the speed is a device of
-    time runs and is left out too.
+    time runs and is left out too, but in a curve, where it takes part in the balance.
 
     Parameters
     ----------
@@ -107,12 +107,14 @@ def linear_about(system, data, speed, scale=1.0, contact=False):
         Of the difference steps.
     contact : bool
         Also the part of each wheel's contact.
+    curved : bool
+        The motion is one on the system's own track, all of which must be one curve.
 
     Returns
     -------
     Linear
     """
-    free = on_straight(system, hold=0.0)
+    free = system if curved else on_straight(system, hold=0.0)
     full = _jacobian(free.model, data, scale)
     n = data.q.shape[0]
     spins = np.flatnonzero(free.model.body["spins"])
@@ -134,7 +136,7 @@ def on_straight(system, length=1.0, **values):
     return replace(system, model=freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT)), speed=speed)
 
 
-def _damper_lengths(model, data):
+def damper_lengths(model, data):
     """Distances of the ends of the dampers with series stiffness [m]."""
     lengths = np.zeros(data.damper.size)
     position, axes = data.frame["position"], data.frame["axes"]

@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
-from scipy.interpolate import CubicSpline
 
 from .checks import Description, Name, NotNegative, Positive, Real, one_of
 from .spectra import CHANNELS, SAMPLES_PER_WAVE, SPECTRA, realise
@@ -204,6 +203,8 @@ class Measured(Stretch):
         return float(np.median(np.diff(self.samples.position))) / PER_SAMPLE
 
     def displacement(self, s, course):
+        from scipy.interpolate import CubicSpline  # takes half a second to load, so only where it is used
+
         position = self.samples.position
         u = np.clip(s + self.offset, position[0], position[-1])
         inside = (s + self.offset >= position[0]) & (s + self.offset <= position[-1])

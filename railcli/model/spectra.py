@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len
-from scipy.interpolate import CubicHermiteSpline
 
 CHANNELS = ("vertical", "alignment", "cross_level", "gauge")
 LEVEL_BASE = 1.5  # distance over which the spectra's cross-level is measured [m]
@@ -109,6 +107,8 @@ class Series(NamedTuple):
 
     def at(self, place):
         """Values and slopes at places (n,) [m], periodic."""
+        from scipy.interpolate import CubicHermiteSpline  # takes half a second to load, so only where it is used
+
         count = self.value.size
         knots = self.spacing * np.arange(count + 1)
         curve = CubicHermiteSpline(knots, np.append(self.value, self.value[0]), np.append(self.slope, self.slope[0]))
@@ -138,6 +138,8 @@ def realise(density, shortest, longest, length, seed, channel, sides="one", spac
     -------
     Series
     """
+    from scipy.fft import irfft, next_fast_len
+
     period = longest * math.ceil(length / longest - 1e-9)
     spacing = spacing or shortest / SAMPLES_PER_WAVE
     count = next_fast_len(math.ceil(period / spacing - 1e-9), real=True)

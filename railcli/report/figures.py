@@ -2,10 +2,6 @@
 
 from pathlib import Path
 
-from matplotlib import rc_context
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
 from railcli.errors import InputError
 from railcli.files.output import whole_file
 
@@ -46,6 +42,10 @@ def draw(painter, path, size, dpi=DPI):
     dpi : float
         Pixels per inch of a PNG.
     """
+    from matplotlib import rc_context  # takes half a second to load, so only where something is drawn
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     path = Path(path)
     check_format(path)
     with rc_context(STYLE):
