@@ -1,10 +1,17 @@
-"""What a status number of the core means, in words."""
+"""What a status number of the core means, in words; and whether it is the vehicle's or the time step's doing."""
+
+import math
 
 import numpy as np
 
-from railcli.kernels.layout import Status
+from railcli.kernels.layout import Data, Status
+from railcli.kernels.step import advance
+
+FINER = 4  # a fault is followed once more at the step over this
+BEYOND = 0.5  # time for which it must stay away beyond the moment at which it came [s]
 
 _WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS, Status.LEFT_SHIFT)
+_ENDS = (Status.OK, Status.LEFT_TRACK, Status.LEFT_SHIFT)  # the way ended; the motion did not fail
 
 
 def wheel_name(system, wheel):
@@ -35,3 +42,35 @@ def sentence(system, data, status):
     if status == Status.LEFT_TRACK:
         return f"{when}: {name} ran off the end of the track"
     return f"{when}: the motion of {name} is no longer finite; try a smaller step or check the vehicle's stiffnesses"
+
+
+def copied(data):
+    """A copy of Data, to go back to."""
+    return Data(*(array.copy() for array in data))
+
+
+def verdict(system, data, status, kept):
+    """The sentence of a fault; of one that a finer step does not know, that the step is too long.
+
+    Parameters
+    ----------
+    system : System
+    data : Data
+        As the fault left it.
+    status : int
+        Not OK.
+    kept : Data
+        A state from before the fault; it moves.
+    """
+    told = sentence(system, data, status)
+    if status in _ENDS:
+        return told
+    step = float(system.model.param[0]["step"])
+    finer = step / FINER
+    time = float(data.clock[0]) - float(kept.clock[0]) + BEYOND
+    if advance(system.stepped(finer).model, kept, math.ceil(time / finer)) not in _ENDS:
+        return told
+    return (
+        f"numerically unstable, use step_ms <= {finer * 1e3:.4g}: at {step * 1e3:.4g} ms {told}; "
+        f"followed once more at {finer * 1e3:.4g} ms, nothing of the kind happens"
+    )
