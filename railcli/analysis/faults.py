@@ -23,7 +23,7 @@ def wheel_name(system, wheel):
 def sentence(system, data, status):
     """When, where, which wheel or body, what happened, what to do."""
     culprit = int(data.fault[0])
-    when = f"t = {data.clock[0]:.3f} s, s = {data.q[0, 0]:.2f} m"
+    when = _when(data)
     if status in _WHEEL_FAULTS:
         body = system.model.wheel[culprit]["body"]
         _, y, z, roll, _, yaw = data.q[body]
@@ -50,7 +50,7 @@ def copied(data):
 
 
 def verdict(system, data, status, kept):
-    """The sentence of a fault; of one that a finer step does not know, that the step is too long.
+    """The sentence of a fault; of one that a finer step does not know, only that the step is too long.
 
     Parameters
     ----------
@@ -62,15 +62,18 @@ def verdict(system, data, status, kept):
     kept : Data
         A state from before the fault; it moves.
     """
-    told = sentence(system, data, status)
     if status in _ENDS:
-        return told
-    step = float(system.model.param[0]["step"])
+        return sentence(system, data, status)
+    since, step = float(kept.clock[0]), float(system.model.param[0]["step"])
     finer = step / FINER
-    time = float(data.clock[0]) - float(kept.clock[0]) + BEYOND
+    time = float(data.clock[0]) - since + BEYOND
     if advance(system.stepped(finer).model, kept, math.ceil(time / finer)) not in _ENDS:
-        return told
+        return sentence(system, data, status)
     return (
-        f"numerically unstable, use step_ms <= {finer * 1e3:.4g}: at {step * 1e3:.4g} ms {told}; "
-        f"followed once more at {finer * 1e3:.4g} ms, nothing of the kind happens"
+        f"{_when(data)}: numerically unstable, use step_ms <= {finer * 1e3:.4g}; at {step * 1e3:.4g} ms the motion "
+        f"fails here, followed once more from t = {since:.3f} s at {finer * 1e3:.4g} ms it does not"
     )
+
+
+def _when(data):
+    return f"t = {data.clock[0]:.3f} s, s = {data.q[0, 0]:.2f} m"
