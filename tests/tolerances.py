@@ -318,3 +318,11 @@ SAMPLED_RESPONSE = 0.01  # inputs run straight between samples: 3e-6 of the heig
 MIRRORED_RUN = 1e-9  # [m] rounding, grown over 4 s; measured 2e-14
 FOLLOWED = 1.5e-3  # [m] a wheelset of low conicity stops within a part of its clearance
 DETRENDED = 0.01  # of an RMS: the straight line through a period takes up to 6 / pi^2 / 20^2 of it, 20 longest waves
+
+# --- Longest step ---
+STEP_BISECTED = 0.011  # a limit is bisected to 1 %, from below
+STEP_ROOT = 1e-6  # of the eigenvalue -1: a simple root of a cubic
+STEP_FOUND = 1.06  # share of the limit at which 3 s decide: a disturbance beyond it grows by 0.7 % in each step
+STEP_QUIET = 1e-4  # change of a wheel force within a step at the end of a quiet run, relative
+STEP_FLANGE = 0.03  # tables with other steps meet the place of three patches with other depths
+STEP_MASS = 0.03  # the damping of the contacts, 2 s/m, does not scale with the root of the mass

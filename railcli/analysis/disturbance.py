@@ -16,6 +16,7 @@ from railcli.model.track import Straight, Track
 
 from .equilibrium import static
 from .simulate import simulate
+from .step_choice import with_step
 from .vertical_model import Contact, vertical_model
 
 SPEED = 40.0  # [m/s]
@@ -157,7 +158,7 @@ def _worst(found, wanted):
 
 def traced(scenario, tables):
     """Run a scenario and keep what is compared."""
-    system = assemble(scenario, tables)
+    scenario, system, _ = with_step(scenario, assemble(scenario, tables))
     parts = []
 
     def sink(rows):

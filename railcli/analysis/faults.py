@@ -1,10 +1,17 @@
-"""What a status number of the core means, in words."""
+"""What a status number of the core means, in words; and whether it is the vehicle's or the time step's doing."""
+
+import math
 
 import numpy as np
 
-from railcli.kernels.layout import Status
+from railcli.kernels.layout import Data, Status
+from railcli.kernels.step import advance
+
+FINER = 4  # a fault is followed once more at the step over this
+BEYOND = 0.5  # time for which it must stay away beyond the moment at which it came [s]
 
 _WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS, Status.LEFT_SHIFT)
+_ENDS = (Status.OK, Status.LEFT_TRACK, Status.LEFT_SHIFT)  # the way ended; the motion did not fail
 
 
 def wheel_name(system, wheel):
@@ -16,7 +23,7 @@ def wheel_name(system, wheel):
 def sentence(system, data, status):
     """When, where, which wheel or body, what happened, what to do."""
     culprit = int(data.fault[0])
-    when = f"t = {data.clock[0]:.3f} s, s = {data.q[0, 0]:.2f} m"
+    when = _when(data)
     if status in _WHEEL_FAULTS:
         body = system.model.wheel[culprit]["body"]
         _, y, z, roll, _, yaw = data.q[body]
@@ -35,3 +42,38 @@ def sentence(system, data, status):
     if status == Status.LEFT_TRACK:
         return f"{when}: {name} ran off the end of the track"
     return f"{when}: the motion of {name} is no longer finite; try a smaller step or check the vehicle's stiffnesses"
+
+
+def copied(data):
+    """A copy of Data, to go back to."""
+    return Data(*(array.copy() for array in data))
+
+
+def verdict(system, data, status, kept):
+    """The sentence of a fault; of one that a finer step does not know, only that the step is too long.
+
+    Parameters
+    ----------
+    system : System
+    data : Data
+        As the fault left it.
+    status : int
+        Not OK.
+    kept : Data
+        A state from before the fault; it moves.
+    """
+    if status in _ENDS:
+        return sentence(system, data, status)
+    since, step = float(kept.clock[0]), float(system.model.param[0]["step"])
+    finer = step / FINER
+    time = float(data.clock[0]) - since + BEYOND
+    if advance(system.stepped(finer).model, kept, math.ceil(time / finer)) not in _ENDS:
+        return sentence(system, data, status)
+    return (
+        f"{_when(data)}: numerically unstable, use step_ms <= {finer * 1e3:.4g}; at {step * 1e3:.4g} ms the motion "
+        f"fails here, followed once more from t = {since:.3f} s at {finer * 1e3:.4g} ms it does not"
+    )
+
+
+def _when(data):
+    return f"t = {data.clock[0]:.3f} s, s = {data.q[0, 0]:.2f} m"

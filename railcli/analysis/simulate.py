@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,9 +11,11 @@ from railcli.kernels.layout import new_rows
 from railcli.kernels.step import record
 
 from .equilibrium import static
-from .faults import sentence
+from .faults import copied, verdict
 
-BLOCK = 50  # rows between two returns to Python
+BLOCK = 50  # rows between two returns to Python, at most
+BLOCK_TIME = 0.5  # simulated time between them, at most but for one row [s]
+KEPT = 4  # states, BLOCK_TIME apart or more, from the first of which a fault is followed once more
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ def simulate(scenario, system, sink, progress=None):
     ----------
     scenario : Scenario
     system : System
-        The scenario assembled with its contact tables.
+        The scenario assembled with its contact tables; both with the step that `step_choice.with_step` settled.
     sink : callable
         Called with each block of recorded instants (Rows, only as long as filled); its arrays are used again.
     progress : callable, optional
@@ -73,13 +76,17 @@ def simulate(scenario, system, sink, progress=None):
     -------
     Outcome
     """
-    stride = scenario.run.steps_per_output
-    total = max(1, round(scenario.duration / scenario.run.output_interval))
+    stride, interval = scenario.run.steps_per_output, scenario.run.output_interval
+    total = max(1, round(scenario.duration / interval))
     data = settled_start(system, scenario.start.lateral)
-    rows = new_rows(system.model, BLOCK)
+    rows = new_rows(system.model, min(BLOCK, max(1, round(BLOCK_TIME / interval))))
+    most = rows.time.size
+    kept = deque(maxlen=KEPT)
     done, cpu, status = 0, 0.0, 0
     while done < total and status == 0:
-        block = rows if total - done >= BLOCK else type(rows)(*(array[: total - done] for array in rows))
+        if not kept or data.clock[0] - kept[-1].clock[0] > (1.0 - 1e-9) * BLOCK_TIME:
+            kept.append(copied(data))
+        block = rows if total - done >= most else type(rows)(*(array[: total - done] for array in rows))
         began = time.process_time()
         count, status = record(system.model, data, block, stride)
         cpu += time.process_time() - began
@@ -88,7 +95,7 @@ def simulate(scenario, system, sink, progress=None):
             sink(type(rows)(*(array[:count] for array in block)))
         if progress:
             progress(float(data.clock[0]), data.clock[0] / max(cpu, 1e-9))
-    fault = sentence(system, data, status) if status else ""
+    fault = verdict(system, data, status, kept[0]) if status else ""
     return Outcome(done, float(data.clock[0]), float(data.q[0, 0]), cpu, fault, int(status))
 
 

@@ -10,7 +10,7 @@ from railcli.errors import SimulationError
 from railcli.kernels.layout import new_rows
 from railcli.kernels.step import record
 
-from .faults import sentence
+from .faults import copied, verdict
 from .linear import linearise, modes, on_straight, roots
 from .mode_shapes import describe
 from .simulate import settled_start
@@ -164,7 +164,7 @@ def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD):
     yield cycle
     if not cycle.hunts:
         return
-    high, state = start, _copy(data)
+    high, state = start, copied(data)
     while True:
         if high - step < lowest:
             return
@@ -186,7 +186,7 @@ def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD):
 def _continued(system, length, alive, speed, threshold):
     """Limit cycle at another speed, begun with a speed and its state; and the state in which it ends."""
     before, state = alive
-    data = _copy(state)
+    data = copied(state)
     data.v[:, 0] *= speed / before
     data.v[list(system.wheelsets), 4] *= speed / before
     return _settle(on_straight(system, length, speed=speed), data, threshold), data
@@ -201,10 +201,6 @@ def end_of_hunting(cycles):
     return below, min(alive, default=math.nan)
 
 
-def _copy(data):
-    return type(data)(*(array.copy() for array in data))
-
-
 def _settle(system, data, threshold):
     """Run at one speed until the amplitude repeats or has died."""
     step = float(system.model.param[0]["step"])
@@ -213,10 +209,12 @@ def _settle(system, data, threshold):
     before, time = np.inf, 0.0
     for _ in range(MOST_WINDOWS):
         data.q[:, 0] -= data.q[0, 0]
+        kept = copied(data)
         _, status = record(system.model, data, rows, stride)
         time += WINDOW
         if status:
-            raise SimulationError(f"at {system.speed:g} m/s: {sentence(system, data, status)}; start at a lower speed")
+            told = verdict(system, data, status, kept)
+            raise SimulationError(f"at {system.speed:g} m/s: {told}; start at a lower speed")
         lateral = rows.q[:, list(system.wheelsets), 1]
         amplitude = 0.5 * np.ptp(lateral, axis=0)
         settled = amplitude.max() <= threshold or abs(amplitude.max() - before) < STEADY * amplitude.max()

@@ -15,6 +15,7 @@ from railcli.model.system import assemble
 from .equilibrium import static, steady
 from .simulate import SteadyWindow, simulate
 from .steady_values import expected_forces, final_stretch, means, peaks_to_peaks
+from .step_choice import with_step
 
 FRICTION_RANGE = (0.05, 0.60)  # within which friction is identified
 FRICTION_STEP = 0.025
@@ -95,7 +96,7 @@ def run_curve(scenario, tables, progress=None):
     -------
     Curving
     """
-    system = assemble(scenario, tables)
+    scenario, system, _ = with_step(scenario, assemble(scenario, tables))
     window = SteadyWindow(scenario.distance - scenario.average_over)
     outcome = simulate(scenario, system, window, progress)
     if outcome.fault:

@@ -141,12 +141,13 @@ def _linear(case, lines, span, quiet):
 def _ramp(case, tables, start, span, limits, cycles, quiet):
     """Gather limit cycles; returns whether Ctrl-C stopped it and what fault did."""
     from railcli.analysis.stability import ramp
+    from railcli.analysis.step_choice import with_step
     from railcli.errors import SimulationError
     from railcli.files.progress import Progress
     from railcli.model.system import assemble
 
     low, _, step = span
-    system = assemble(case, tables)
+    system = with_step(case, assemble(case, tables), (low, start)).system
     try:
         with Progress("Limit cycles", start - low, "m/s", quiet) as progress:
             for cycle in ramp(system, start, step, low, case.start.lateral or ASIDE, *limits):

@@ -13,7 +13,7 @@ STEPS = (1e-3, 2.0)  # shortest and longest [ms]
 
 @click.command("rt-bench", short_help="Time the model against a real-time budget.")
 @click.argument("scenario", required=False, metavar="[NAME|FILE]")
-@click.option("--step", type=float, metavar="MS", help="Time step.  [default: the scenario's]")
+@click.option("--step", type=float, metavar="MS", help="Time step.  [default: the scenario's, or chosen]")
 @click.option(
     "--budget",
     type=float,
@@ -65,21 +65,21 @@ def rt_bench(
     from railcli.files.scenario import DEFAULT_SCENARIO, load
     from railcli.report.timing import summary
     from railcli.runtime.timing import steps_per_call
-
     scenario = load(scenario or DEFAULT_SCENARIO)
     run = scenario.duration * 1e3
     _check_range("--budget", budget, 0.0 < budget <= run, f"above 0 and at most the {run:.4g} ms of the run")
     if step is not None:
         _check_range("--step", step, STEPS[0] <= step <= STEPS[1], "from {:g} to {:g} ms".format(*STEPS))
         scenario = scenario.varied(run={"step": step * 1e-3, "output_interval": step * 1e-3})
-    steps = steps_per_call(budget * 1e-3, scenario.run.step)
+    if scenario.run.step is not None:
+        steps_per_call(budget * 1e-3, scenario.run.step)
     count = _calls("--duration", duration, budget, FEWEST_CALLS)
     warm_up = _calls("--warmup", warmup, budget, 0)
     _check_range("--spin", spin, 0.0 <= spin <= budget * 1e3, f"from 0 to the {budget * 1e3:g} us of the budget")
     if spin and not paced:
         raise InputError("--spin", "is for calls paced by the clock; add --paced")
     with results_folder("rt-bench", scenario.name, output, overwrite) as folder:
-        found, samples = _measure(scenario, steps, count, warm_up, spin if paced else None, realtime, quiet)
+        found, samples = _measure(scenario, budget * 1e-3, count, warm_up, spin if paced else None, realtime, quiet)
         found = {"folder": folder, **found}
         _write(found, samples, folder, figures)
     click.echo(json_text(found) if output_format == "json" else "\n".join([*summary(found), f"Results: {folder}"]))
@@ -98,12 +98,14 @@ def _calls(option, seconds, budget, fewest):
     return round(seconds / (budget * 1e-3))
 
 
-def _measure(scenario, steps, count, warm_up, spin, realtime, quiet):
+def _measure(scenario, budget, count, warm_up, spin, realtime, quiet):
     """Everything that is measured: the facts, and the times of the calls [us] for histograms."""
+    from railcli.analysis.step_choice import with_step
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
     from railcli.files.tables import tables_for
     from railcli.model.system import assemble
+    from railcli.report.step import as_json
     from railcli.runtime import pacing, timing
 
     def say(text):
@@ -112,7 +114,8 @@ def _measure(scenario, steps, count, warm_up, spin, realtime, quiet):
 
     tables = tables_for(scenario, quiet, say)
     timing.prepare(say)
-    system = assemble(scenario, tables)
+    scenario, system, choice = with_step(scenario, assemble(scenario, tables), interval=budget)
+    steps = timing.steps_per_call(budget, scenario.run.step)
     begin, _ = timing.stretch(scenario, system.rest)
     with Progress("Run up", float(begin), "m", quiet) as progress:
         course = timing.run_up(scenario, system, steps, progress.update)
@@ -139,6 +142,7 @@ def _measure(scenario, steps, count, warm_up, spin, realtime, quiet):
         "speed_ms": scenario.run.speed,
         **found,
         **timing.describe_course(course, count),
+        "step": as_json(choice),
         "provenance": provenance(scenario, tables),
     }
     samples = {"call": calls.compute / 1e3}

@@ -17,7 +17,7 @@ def run():
 @click.option("--list", "only_list", is_flag=True, help="List the built-in scenarios and stop.")
 @click.option("--speed", type=float, metavar="M/S", help="Another speed  [default: the scenario's]")
 @click.option("--friction", type=float, metavar="NUMBER", help="Another friction  [default: the scenario's]")
-@click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's]")
+@click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's, or chosen]")
 @click.option("--contact", multiple=True, default=("*",), metavar="GLOB",
               help="Channels of contact patches to record, such as '*/normal'; none: none  [default: all]")  # fmt: skip
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
@@ -67,6 +67,7 @@ def scenario(
 def _run(case, contact_channels, with_figures, with_assessment, output, overwrite, quiet):
     from railcli.analysis import steady_values
     from railcli.analysis.simulate import SteadyWindow, simulate
+    from railcli.analysis.step_choice import with_step
     from railcli.analysis.warm import warm
     from railcli.files import results
     from railcli.files.output import results_folder, write_json
@@ -82,7 +83,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
     with results_folder("run", case.name, output, overwrite) as folder:
         warm(announce)
         tables = tables_for(case, quiet, announce)
-        system = assemble(case, tables)
+        case, system, choice = with_step(case, assemble(case, tables))
         window = SteadyWindow(case.distance - case.average_over)
         series = results.TimeSeries(folder / results.TIME_SERIES, system, contact_channels)
         write_json(folder / "scenario.json", case.as_dict())
@@ -100,6 +101,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
             raise KeyboardInterrupt(series.kept()) from None
 
         from railcli.report import run as report  # only now: drawing libraries take half a second to load
+        from railcli.report import step
 
         stretch = steady_values.final_stretch(case)
         steady = None
@@ -117,8 +119,8 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
             files += [results.TIME_SERIES, results.MAIN_CHANNELS]
             if with_figures:
                 files += report.figures(case, results.envelope(folder / results.TIME_SERIES), folder)
-        record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files)
-        lines = report.report(case, outcome, stretch, steady)
+        record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files, step.as_json(choice))
+        lines = report.report(case, outcome, stretch, steady, step.words(choice))
         if case.irregularity:
             from railcli.analysis.irregularity_spectrum import bands, of_scenario
             from railcli.report import irregularity

@@ -20,6 +20,13 @@ from .vehicle import Vehicle
 STEEPEST_INCLINATION = 5.0  # 1 in ...
 OF_ONE_LAW = {"adhesion_reduction": "polach", "slip_reduction": "polach", "fastsim_grid": "fastsim"}
 WIDEST = 0.06  # measured gauge from the nominal one [m]
+LONGEST_STEP = 2e-3  # that a scenario may ask for [s]
+
+
+def divides(step, interval):
+    """True when an interval is a whole number of steps."""
+    count = round(interval / step)
+    return count >= 1 and math.isclose(count * step, interval, rel_tol=1e-9)
 
 
 class Run(Description):
@@ -28,8 +35,8 @@ class Run(Description):
     speed: Annotated[Positive, Field(le=150.0)] = Field(alias="speed_m_per_s")
     distance: Positive | None = Field(None, alias="distance_m")
     duration: Positive | None = Field(None, alias="duration_s")
-    step: Annotated[Real, Field(ge=1e-6, le=2e-3)] = Field(0.5e-3, alias="step_s")
-    output_interval: Annotated[Positive, Field(le=10.0)] = Field(10e-3, alias="output_interval_s")
+    step: Annotated[Real, Field(ge=1e-6, le=LONGEST_STEP)] | None = Field(None, alias="step_s")  # None: chosen
+    output_interval: Annotated[Real, Field(ge=1e-6, le=10.0)] = Field(10e-3, alias="output_interval_s")
     average_over: Positive = Field(100.0, alias="average_over_m")
     gravity: Annotated[Positive, Field(le=100.0)] = Field(9.81, alias="gravity_m_per_s2")
 
@@ -37,9 +44,7 @@ class Run(Description):
     def _fits_together(self):
         if self.distance is not None and self.duration is not None:
             raise ValueError("give either distance_m or duration_s, not both")
-        if self.steps_per_output < 1 or not math.isclose(
-            self.steps_per_output * self.step, self.output_interval, rel_tol=1e-9
-        ):
+        if self.step is not None and not divides(self.step, self.output_interval):
             raise ValueError(
                 f"output interval must be a multiple of the step, got {self.output_interval * 1e3:g} ms and "
                 f"{self.step * 1e3:g} ms"
@@ -48,6 +53,7 @@ class Run(Description):
 
     @property
     def steps_per_output(self):
+        """Only once there is a step (`analysis.step_choice`)."""
         return round(self.output_interval / self.step)
 
 

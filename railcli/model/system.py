@@ -1,6 +1,6 @@
 """A scenario and its contact tables, packed once into the read-only arrays of the core."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from .submodels import CREEP_LAWS, choose
 
 HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
 HOLD_SHARE = 0.5  # of the body's mass over the step: the holding force acts explicitly and must not overshoot
+DRAFT_STEP = 0.5e-3  # of a system whose scenario leaves the step to be chosen (analysis/step_choice.py) [s]
 CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
 SETTLED = 1e-4  # change of creepages within which a step takes creep forces as linear in them
 NARROW_PLAY = 0.075  # gauge less flange back at which the usual range of a contact table is enough [m]
@@ -30,6 +31,8 @@ class System:
     rest: np.ndarray  # (n_body, 6) nominal coordinates, s relative to the first body
     damper: np.ndarray  # (n_state,) lengths of the dampers at rest [m]
     bodies: tuple  # names
+    joints: tuple  # what each is, in words
+    elements: tuple
     wheelsets: tuple  # indices of the wheelsets, in the order of the wheels
     speed: float  # asked for [m/s]
 
@@ -51,6 +54,14 @@ class System:
         data.v[:, 0] = self.speed
         data.v[self.model.wheel["body"][::2], 4] = -self.speed / self.mean_radii
         return data
+
+    def stepped(self, step):
+        """The same system with this time step [s], and a hold of its speed that suits it."""
+        param = self.model.param.copy()
+        param["step"] = step
+        if param[0]["hold"] > 0.0:
+            param["hold"] = hold_gain(self.model.body[0]["mass"], step)
+        return replace(self, model=freeze(self.model._replace(param=param)))
 
     @property
     def mean_radii(self):
@@ -120,14 +131,19 @@ def pool(tables):
     )
 
 
+def hold_gain(mass, step):
+    """Force per speed error that holds the speed of a body of this mass at this step [N s/m]."""
+    return min(HOLD, HOLD_SHARE * mass / step)
+
+
 def parameters(scenario):
     """The PARAM record of a scenario."""
     param = np.zeros(1, PARAM)
-    param["step"] = scenario.run.step
+    param["step"] = step = DRAFT_STEP if scenario.run.step is None else scenario.run.step
     param["gravity"] = scenario.run.gravity
     param["cant_base"] = scenario.cant_base
     param["speed"] = scenario.run.speed
-    param["hold"] = min(HOLD, HOLD_SHARE * scenario.vehicle.bodies[0].mass / scenario.run.step)
+    param["hold"] = hold_gain(scenario.vehicle.bodies[0].mass, step)
     param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
     param["creep_speed"] = CREEP_SPEED
     param["settled"] = SETTLED
@@ -162,6 +178,7 @@ def assemble(scenario, tables):
     packed = vehicle_model.pack(
         scenario.vehicle, scenario.run.gravity, scenario.contact.tape_circle, scenario.contact.friction
     )
+    joints, elements = vehicle_model.in_words(scenario.vehicle)
     kinds = needed(scenario)
     wheel = packed.wheel.copy()
     wheel["table"] = [kinds.index(pairing) for pairing in pairings(scenario)]
@@ -188,6 +205,8 @@ def assemble(scenario, tables):
         rest=packed.rest,
         damper=packed.damper,
         bodies=tuple(body.name for body in scenario.vehicle.bodies),
+        joints=joints,
+        elements=elements,
         wheelsets=tuple(scenario.vehicle.wheelsets),
         speed=scenario.run.speed,
     )

@@ -148,6 +148,16 @@ def placed(vehicle) -> Iterator[tuple[Joint, int, int, list[Place]]]:
             yield joint, lower, upper, places
 
 
+def in_words(vehicle):
+    """What the joints and the elements of the compiled core are, in its order: two tuples of texts."""
+    joints, elements = [], []
+    for joint, lower, upper, places in placed(vehicle):
+        between = f"between {vehicle.names[lower]} and {vehicle.names[upper]}"
+        joints.append(f"{joint.name} {between}")
+        elements += [f"{place.element.name} {between}" for place in places]
+    return tuple(joints), tuple(elements)
+
+
 def _arm(origin, point, sign, body):
     x, y, height = body.centre
     return np.array([origin + sign[0] * point[0] - x, sign[1] * point[1] - y, height - point[2]])

@@ -84,7 +84,7 @@ def _two_sides(scenario):
     return lines
 
 
-def report(scenario, outcome, stretch, steady):
+def report(scenario, outcome, stretch, steady, step):
     """Lines for the terminal.
 
     Parameters
@@ -94,6 +94,8 @@ def report(scenario, outcome, stretch, steady):
     stretch : Stretch or None
     steady : tuple or None
         Mean, swing, Newton's motion, the expected sums of Y and Q [N], and traction and weight along the track [N].
+    step : list of (str, str)
+        The time step in words, as `report.step.words` gives it.
     """
     reached = f"{outcome.distance:.1f} m, {outcome.time:.2f} s"
     lines = [f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name]
@@ -101,7 +103,8 @@ def report(scenario, outcome, stretch, steady):
     lines += facts(
         [
             ("reached", reached),
-            ("speed", f"{scenario.run.speed:g} m/s, step {scenario.run.step * 1e3:g} ms"),
+            ("speed", f"{scenario.run.speed:g} m/s"),
+            *step,
             *_two_sides(scenario),
             ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
         ]
@@ -212,7 +215,7 @@ def _accelerations(axes, main):
     axes[1].set_ylabel("vertical acceleration,\ndown [m/s$^2$]")
 
 
-def summary(scenario, outcome, stretch, steady, provenance, files):
+def summary(scenario, outcome, stretch, steady, provenance, files, step):
     """What summary.json holds; units in the names."""
     record = {
         "scenario": scenario.name,
@@ -221,6 +224,7 @@ def summary(scenario, outcome, stretch, steady, provenance, files):
         "time_s": outcome.time,
         "distance_m": outcome.distance,
         "rows": outcome.rows,
+        "step": step,
         "cpu_s": outcome.cpu_s,
         "real_time_factor": outcome.real_time_factor,
         "files": files,

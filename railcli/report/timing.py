@@ -88,6 +88,7 @@ def summary(found):
         ("kept state", f"t = {kept['time_s']:.2f} s, s = {kept['distance_m']:.1f} m, {_loaded(kept['patches'])}"),
         ("from there", f"{found['lap_s']:.4g} s to the end, then on from the kept state again ({back})"),
         ("calls", _calls(found)),
+        ("step", _step(found["step"])),
         ("processor", ", ".join([source["cpu"], cores, *([f"load average {load[0]:.2f}"] if load else [])])),
         ("system", source["platform"]),
         ("versions", ", ".join(f"{name} {source[name]}" for name in ("railcli", "python", "numpy", "numba"))),
@@ -114,6 +115,11 @@ def summary(found):
         *(f"  {line}" for line in WHY_NOT_THE_SUM),
         f"Verdict: {'; '.join(verdict(found))}",
     ]
+
+
+def _step(step):
+    how = "chosen" if step["chosen"] else "given"
+    return f"{step['step_ms']:.4g} ms, {how}; at most {step['longest_ms']:g} ms for {step['limited_by']}"
 
 
 def _loaded(patches):
