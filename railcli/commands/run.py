@@ -69,7 +69,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
     from railcli.analysis.simulate import SteadyWindow, simulate
     from railcli.analysis.step_choice import with_step
     from railcli.analysis.warm import warm
-    from railcli.files import results
+    from railcli.files import inputs, results
     from railcli.files.output import results_folder, write_json
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
@@ -86,7 +86,8 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
         case, system, choice = with_step(case, assemble(case, tables))
         window = SteadyWindow(case.distance - case.average_over)
         series = results.TimeSeries(folder / results.TIME_SERIES, system, contact_channels)
-        write_json(folder / "scenario.json", case.as_dict())
+        inputs.save(case, folder / inputs.INPUTS)
+        write_json(folder / inputs.SCENARIO, case.as_dict())
 
         def sink(rows):
             series(rows)
@@ -113,7 +114,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
                 steady_values.expected_forces(case, stretch),
                 (float(window.mean("traction")), steady_values.weight_along(case, stretch)),
             )
-        files = ["scenario.json"]
+        files = [inputs.SCENARIO, inputs.INPUTS]
         if outcome.rows:
             results.write_main_channels(results.pieces(folder / results.TIME_SERIES), folder / results.MAIN_CHANNELS)
             files += [results.TIME_SERIES, results.MAIN_CHANNELS]

@@ -20,11 +20,11 @@ def scenario_of(name, default, speed=None):
 def quasi_linear_contact(case, amplitudes_mm, quiet):
     """Quasi-linear contact of a scenario for each amplitude [mm]: one QuasiLinear for each wheel radius."""
     from railcli.analysis.quasi_linear import lines_of
-    from railcli.files.profiles import load_profile
+    from railcli.files.profiles import profile_of
     from railcli.files.progress import Progress
 
-    wheel = load_profile(case.contact.wheel_profile, "wheel")
-    rail = load_profile(case.contact.rail_profile, "rail")
+    wheel = profile_of(case, case.contact.wheel_profile, "wheel")
+    rail = profile_of(case, case.contact.rail_profile, "rail")
     with Progress("Contact", 100, "%", quiet) as progress:
         return lines_of(
             case, wheel, rail, [value * 1e-3 for value in amplitudes_mm],

@@ -5,7 +5,6 @@ The first line that is no comment names the columns: `position_m` (or `s_m`), an
 `right_alignment`, `left_alignment`. Separated by commas, semicolons, blanks or tabs; lines with ``#`` are comments.
 """
 
-import hashlib
 import re
 from pathlib import Path
 
@@ -59,7 +58,7 @@ def read(path):
                 f"{LARGEST:g} m can be meant: check the unit in the column's name",
             )
         found[channel] = values
-    return Samples(position, found, hashlib.sha256(text.encode()).hexdigest())
+    return Samples(position, found)
 
 
 def write(path, position, moved, comments=()):

@@ -66,6 +66,12 @@ def load_profile(name_or_path, kind):
     return _read(resource(BUNDLED[name][1]), name, kind)
 
 
+def profile_of(scenario, place, kind):
+    """The profile that a scenario calls `place`: as it knows it already, else as `load_profile`."""
+    known = scenario.contents.get(place)
+    return load_profile(place, kind) if known is None else known
+
+
 def check_curve(path, kind, y, z, lines, unit_mm=1.0):
     """Raise an InputError unless the points are those of a rail or wheel in the canonical form.
 

@@ -15,9 +15,10 @@ from railcli.errors import InputError
 from railcli.model.scenario import Scenario
 
 from .growing_hdf5 import CHUNK_CACHE
+from .inputs import SCENARIO, restore
 from .results import CHUNK, FORMAT, FORMAT_VERSION, TIME_SERIES
 
-SCENARIO, SUMMARY = "scenario.json", "summary.json"
+SUMMARY = "summary.json"
 PIECE = 10 * CHUNK  # rows that `pieces` gives at once
 COMPONENTS = {"position": ("s", "y", "z"), "rotation": ("roll", "pitch", "yaw")}
 AXES = ("x", "y", "z")
@@ -126,10 +127,12 @@ class Results:
 
     @cached_property
     def scenario(self):
-        """The Scenario that was run, as the folder holds it."""
+        """The Scenario that was run with all that it was made from, as the folder holds them."""
         path = self.folder / SCENARIO
+        values = _json(path)
+        contents = restore(values, self.folder)
         try:
-            return Scenario.model_validate(_json(path), by_alias=True, by_name=False)
+            return Scenario.model_validate(values, by_alias=True, by_name=False).knowing(contents)
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
             place = ".".join(str(part) for part in first["loc"])

@@ -1,6 +1,7 @@
 """Scenario and vehicle files, and the ones that railcli brings along."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,12 +13,13 @@ from railcli.errors import InputError
 from railcli.model.checks import hint
 from railcli.model.limits import Limits
 from railcli.model.rails import irregularity as rail_irregularity
-from railcli.model.scenario import Run, Scenario
+from railcli.model.scenario import PROFILES, TABLES, Run, Scenario
 from railcli.model.track import Track, pack
 from railcli.model.vehicle import Vehicle
 
 from . import irregularity, toml
 from .output import file_name
+from .profiles import load_profile
 from .resources import resource
 from .track_table import read_alignment
 
@@ -192,9 +194,23 @@ def _load_file(path):
                 del contact[key]
     for source in table.get("irregularity", []) if isinstance(table.get("irregularity"), list) else []:
         if isinstance(source, dict) and source.get("kind") == "measured" and isinstance(source.get("file"), str):
-            samples = irregularity.read(path.parent / source["file"])
-            source.update(samples=samples, sha256=samples.sha256)
-    return toml.build(Scenario, table, path)
+            source.setdefault("samples", irregularity.read(path.parent / source["file"]))
+    scenario = toml.build(Scenario, table, path)
+    return scenario.knowing(dict(_contents(scenario.contact)))
+
+
+def _contents(contact):
+    """What the names in a contact stand for; without what cannot be read, about which whoever needs it complains."""
+    for key, kind in PROFILES.items():
+        if place := getattr(contact, key):
+            with suppress(InputError):
+                yield place, load_profile(place, kind)
+    for key in TABLES:
+        if place := getattr(contact, key):
+            from .tables import identity  # only now: it loads all that builds tables
+
+            if found := identity(place):
+                yield place, found
 
 
 def _with_table(section, number, path):

@@ -1,8 +1,4 @@
-"""Contact tables on disk: whole, checked, for the right profiles; and those that a scenario needs.
-
-A file is HDF5 behind a head of 512 bytes, which HDF5 readers skip. The head holds size and SHA-256 of all that follows,
-so that one bit changed anywhere is found before a library reads it.
-"""
+"""Contact tables on disk: whole, sealed, checked, for the right profiles; and those that a scenario needs."""
 
 import hashlib
 import json
@@ -10,6 +6,7 @@ import math
 import shlex
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,12 +21,14 @@ from railcli.kernels.layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS
 from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
 from railcli.model.system import needed, table_settings
 
+from . import seal
 from .output import cache_folder, whole_hdf5
-from .profiles import BUNDLED, load_profile
+from .profiles import BUNDLED, load_profile, profile_of
 from .progress import Progress
 
-HEAD_SIZE = 512
+HEAD_SIZE = seal.HEAD_SIZE
 TITLE = "railcli contact table"
+_head, _head_of = partial(seal.head, TITLE), partial(seal.head_of, TITLE)
 POSES_UNASKED = 2000  # of the certificate of a table that a command builds because it needs one
 SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
@@ -39,9 +38,6 @@ ARRAYS = {
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
 }
-UNREADABLE = (  # what h5py, json and our own descriptions raise on a file that holds something else
-    OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError, ArithmeticError, MemoryError,
-)  # fmt: skip
 UNITS = (
     "-, 1/m, -, m/rad, 1/rad, m/rad, m/rad^2, 1/rad^2, m/rad^2, "
     "m, -, m, m, -, m, m, N/m^1.5, m^0.5, m^0.5, N/m, N/m, N/m^0.5, N, -"
@@ -153,14 +149,6 @@ def save(table, path, certificate=None):
             file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in Press)
 
 
-def _head(image):
-    return _head_of(hashlib.sha256(image).hexdigest(), len(image))
-
-
-def _head_of(digest, size):
-    return f"{TITLE}\nsha256 {digest}\nbytes {size}\n".encode().ljust(HEAD_SIZE, b"\n")
-
-
 def load(path, expect=None):
     """Contact table from a file.
 
@@ -186,7 +174,8 @@ def read(path):
     import h5py
 
     path = Path(path)
-    _check_seal(path)
+    absent = f"there is no such file; build it: {_command(path)}"
+    seal.check(path, TITLE, "a contact table", _build_again(path), absent)
     try:
         with h5py.File(path, "r", locking=False) as file:
             attributes = {key: value for key, value in file.attrs.items()}
@@ -207,7 +196,7 @@ def read(path):
             **arrays,
         )
         problem = _inconsistency(table)
-    except UNREADABLE as error:
+    except seal.UNREADABLE as error:
         text = " ".join(str(error).split())
         raise InputError(path, f"does not hold a contact table ({text}); {_build_again(path)}") from error
     if problem:
@@ -215,27 +204,19 @@ def read(path):
     return Stored(table, certificate, str(attributes.get("kernels", "")))
 
 
-def _check_seal(path):
-    """Raise an InputError unless the file is what `save` wrote, bit for bit."""
+def identity(path):
+    """Digest of what the contact table in a file is: profiles, settings, method and the kernels that built it.
+
+    16 digits; the table itself is not looked at. None: it cannot be read.
+    """
+    import h5py
+
     try:
-        if path.is_dir():
-            raise InputError(path, "is a folder, not a contact table")
-        with open(path, "rb") as file:
-            head = file.read(HEAD_SIZE)
-            size = path.stat().st_size - HEAD_SIZE
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-    except FileNotFoundError:
-        raise InputError(path, f"there is no such file; build it: {_command(path)}") from None
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from error
-    lines = head.split(b"\n")
-    if lines[0] != TITLE.encode() or len(head) < HEAD_SIZE:
-        raise InputError(path, f"is not a contact table of railcli; {_build_again(path)}")
-    words = lines[2].split()
-    if len(words) == 2 and words[1].isdigit() and size < int(words[1]):
-        raise InputError(path, f"is truncated: {size} of {int(words[1])} bytes are left; {_build_again(path)}")
-    if head != _head_of(digest, size):
-        raise InputError(path, f"is damaged: its checksum does not fit its contents; {_build_again(path)}")
+        with h5py.File(path, "r", locking=False) as file:
+            keys = ("version", "settings", "wheel_sha256", "rail_sha256", "method", "kernels")
+            return hashlib.sha256(json.dumps([str(file.attrs[key]) for key in keys]).encode()).hexdigest()[:16]
+    except seal.UNREADABLE:
+        return None
 
 
 def _command(path):
@@ -404,7 +385,7 @@ def tables_for(scenario, quiet=False, announce=None):
     """Contact tables of a scenario, one for each pairing that `model.system.needed` names; options as `table_for`."""
     tables = []
     for pairing in needed(scenario):
-        wheel, rail = load_profile(pairing.wheel, "wheel"), load_profile(pairing.rail, "rail")
+        wheel, rail = profile_of(scenario, pairing.wheel, "wheel"), profile_of(scenario, pairing.rail, "rail")
         settings = table_settings(scenario, pairing.radius)
         if pairing.file is None:
             tables.append(table_for(settings, wheel, rail, quiet, announce))

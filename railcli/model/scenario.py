@@ -5,7 +5,7 @@ import json
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, PrivateAttr, Strict, model_validator
 
 from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
 from .irregularity import Source
@@ -21,6 +21,10 @@ STEEPEST_INCLINATION = 5.0  # 1 in ...
 OF_ONE_LAW = {"adhesion_reduction": "polach", "slip_reduction": "polach", "fastsim_grid": "fastsim"}
 WIDEST = 0.06  # measured gauge from the nominal one [m]
 LONGEST_STEP = 2e-3  # that a scenario may ask for [s]
+PROFILES = {  # keys of a contact that name a profile, and its kind
+    "wheel_profile": "wheel", "rail_profile": "rail", "left_wheel_profile": "wheel", "left_rail_profile": "rail",
+}  # fmt: skip
+TABLES = ("table", "left_table")
 
 
 def divides(step, interval):
@@ -129,7 +133,14 @@ class Start(Description):
 
 
 class Scenario(Description):
-    """Everything a run needs; built from a file by `railcli.files.scenario.load`."""
+    """Everything a run needs; built from a file by `railcli.files.scenario.load`.
+
+    Attributes
+    ----------
+    contents : dict
+        What the names in `contact` stand for, as far as it is known: name or file of a profile -> Profile, file of a
+        contact table -> digest of the table.
+    """
 
     name: Name
     title: Text = ""
@@ -144,6 +155,7 @@ class Scenario(Description):
     contact: Contact = Contact()
     irregularity: tuple[Source, ...] = ()
     start: Start = Start()
+    _contents: dict = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _fits_together(self):
@@ -183,6 +195,16 @@ class Scenario(Description):
         return self
 
     @property
+    def contents(self):
+        return self._contents
+
+    def knowing(self, contents):
+        """The same scenario with these `contents`."""
+        known = self.model_copy()
+        known._contents = dict(contents)
+        return known
+
+    @property
     def distance(self):
         """Length of the run [m]."""
         if self.run.duration is not None:
@@ -215,21 +237,39 @@ class Scenario(Description):
                 fields = {name: getattr(group, name) for name in group.model_fields_set}
                 value = type(group)(**{**fields, **value})
             values[key] = value
-        return type(self)(**values)
+        return type(self)(**values).knowing(self.contents)
 
     def as_dict(self):
-        """All values, defaults included, with units in the keys: what provenance records."""
+        """All values, defaults included, with units in the keys, and digests of what names stand for."""
         values = self.model_dump(mode="json")
         values["run"]["average_over_m"] = self.average_over
+        given = {key: values["contact"][key] for key in (*PROFILES, *TABLES)}
+        values["contact"]["digests"] = {
+            key: digest_of(self.contents[place]) for key, place in given.items() if place in self.contents
+        }
         return values
 
     def digest(self):
-        """Hex digest of all that decides the results; equal for equal scenarios, whatever their file looks like."""
+        """Hex digest of all that decides the results; equal for equal scenarios, whatever their files look like.
+
+        Profiles, measured tracks and contact tables count by what they hold, not by the names of their files.
+        """
         values = self.as_dict()
         for key in ("name", "title", "description", "limits"):
             del values[key]
         left = zip(("left_wheel_profile", "left_rail_profile", "left_table"), self.contact.sides[1], strict=True)
         values["contact"].update(left)
+        del values["contact"]["digests"]
+        for key in (*PROFILES, *TABLES):
+            if (place := values["contact"][key]) in self.contents:
+                values["contact"][key] = digest_of(self.contents[place])
+        for source in values["irregularity"]:
+            source.pop("file", None)
         for body, values_of_body in zip(self.vehicle.bodies, values["vehicle"]["body"], strict=True):
             values_of_body["left_wheel_radius_m"] = body.wheel_radii[1]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def digest_of(content):
+    """Digest of a Profile (16 digits); of a contact table it is known already."""
+    return content if isinstance(content, str) else content.digest()[:16]

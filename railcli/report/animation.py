@@ -17,7 +17,7 @@ from railcli.analysis.rigid_contact import wheelset_on
 from railcli.errors import InputError
 from railcli.files.embed import uri_of
 from railcli.files.output import whole_file
-from railcli.files.profiles import load_profile
+from railcli.files.profiles import profile_of
 from railcli.model.system import table_settings
 
 from .figures import BLUE, GREEN, GREY, ORANGE, STYLE, VERMILION
@@ -203,11 +203,12 @@ class Film:
         contact = scenario.contact
         body = self._vehicle.bodies[self._vehicle.wheelsets[self._wheelset]]
         try:
-            pair = load_profile(contact.wheel_profile, "wheel"), load_profile(contact.rail_profile, "rail")
+            wheel = profile_of(scenario, contact.wheel_profile, "wheel")
+            rail = profile_of(scenario, contact.rail_profile, "rail")
         except InputError as error:
             self._one.notes.append(f"animation without profiles: {error}")
             return None
-        return wheelset_on(table_settings(scenario, body.wheel_radius), *pair).mountings
+        return wheelset_on(table_settings(scenario, body.wheel_radius), wheel, rail).mountings
 
     def _build(self):
         self.figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")

@@ -167,10 +167,14 @@ class Curves:
     def rails(self):
         """Arc length (n,) and displacement of the rails, (right and left, to the right and down, n) [m]; or None."""
         scenario = self.scenario
-        if scenario is None or not any(True for _ in contributions(scenario)):
+        try:
+            if scenario is None or not any(True for _ in contributions(scenario)):
+                return None
+            s = np.linspace(0.0, self.s.max(), RAIL_POINTS)
+            return s, displacement(scenario, s)[0]
+        except InputError as error:
+            self._note(f"no displacement of the rails: {error}")
             return None
-        s = np.linspace(0.0, self.s.max(), RAIL_POINTS)
-        return s, displacement(scenario, s)[0]
 
     def _note(self, text):
         if text not in self.notes:
