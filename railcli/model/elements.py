@@ -82,6 +82,7 @@ class Bushing(Description):
     spring_table_y: SpringTable | None = None
     spring_table_z: SpringTable | None = None
     carries_weight: Flag = False
+    preload: Coefficient = Field(0.0, alias="preload_N")  # vertical load at rest, given instead of its share of weight
 
     @property
     def ends(self):
@@ -97,6 +98,8 @@ class Bushing(Description):
 
     @model_validator(mode="after")
     def _mirrors(self):
+        if self.carries_weight and self.preload > 0.0:
+            raise ValueError("give either carries_weight = true or preload_N, the load that it carries at rest")
         return mirrored_apart(self)
 
 

@@ -17,6 +17,7 @@ from .elements import Bushing, Joint, Link
 from .friction_elements import Friction, LeafSpring
 
 LARGEST_DIFFERENCE = 0.010  # of the wheel radii of one wheelset [m]
+STANDARD_GRAVITY = 9.81  # for the checks of a vehicle that no scenario has put anywhere yet [m/s^2]
 STATIC_RESIDUAL = 1e-6  # share of the vehicle's weight that the preloads may leave unbalanced
 _Inertia = Annotated[Positive, Field(le=1e12)]
 _Radius = Annotated[Real, Field(ge=0.05, le=2.0)]
@@ -101,7 +102,7 @@ class Vehicle(Description):
     def _check_statics(self):
         _, residual = _statics(self)
         worst = int(np.argmax(np.abs(residual).max(axis=1)))
-        if np.abs(residual[worst]).max() > STATIC_RESIDUAL * sum(body.mass for body in self.bodies):
+        if np.abs(residual[worst]).max() > STATIC_RESIDUAL * STANDARD_GRAVITY * sum(body.mass for body in self.bodies):
             raise ValueError(
                 f"nothing carries {self.names[worst]!r} at rest; give it bushings with carries_weight = true, "
                 "placed so that they balance its weight without tilting it or turning an axle box"
@@ -164,42 +165,46 @@ def _arm(origin, point, sign, body):
 def _carriers(vehicle):
     for _, _, _, places in placed(vehicle):
         for place in places:
-            if isinstance(place.element, Bushing) and place.element.carries_weight:
+            if isinstance(place.element, Bushing) and (place.element.carries_weight or place.element.preload > 0.0):
                 yield place
 
 
-def _statics(vehicle):
-    """Loads on the carrying bushings at rest per unit of gravity [kg], and what stays unbalanced (n_body, 3).
+def _statics(vehicle, gravity=STANDARD_GRAVITY):
+    """Loads on the carrying bushings at rest [N], and what stays unbalanced (n_body, 3) [N, N m].
 
     Vertical force, roll and pitch moment of every body balance, but the rails carry a wheelset's force and roll
-    moment: of a wheelset only the pitch moment is asked for, which no axle bearing carries. Of all solutions the one
-    with the least sum of squared loads, which shares a load equally among equal springs.
+    moment: of a wheelset only the pitch moment is asked for, which no axle bearing carries. Given preloads are what
+    they are; of all solutions for the others the one with the least sum of squared loads, which shares a load equally
+    among equal springs.
     """
     carriers = list(_carriers(vehicle))
     matrix = np.zeros((len(vehicle.bodies), 3, len(carriers)))
     weight = np.zeros((len(vehicle.bodies), 3))
-    weight[:, 0] = [body.mass for body in vehicle.bodies]
+    weight[:, 0] = [gravity * body.mass for body in vehicle.bodies]
     for column, place in enumerate(carriers):
         for i, arm, down in ((place.lower, place.lower_arm, 1.0), (place.upper, place.upper_arm, -1.0)):
             matrix[i, :, column] += down, down * arm[1], -down * arm[0]
     weight[list(vehicle.wheelsets)] = 0.0
     matrix[list(vehicle.wheelsets), :2] = 0.0
     rows = matrix.reshape(weight.size, len(carriers))
-    loads = np.linalg.lstsq(rows, -weight.ravel(), rcond=None)[0] if carriers else np.zeros(0)
+    loads = np.array([place.element.preload for place in carriers])
+    shares = np.array([place.element.carries_weight for place in carriers], bool)
+    if shares.any():
+        rest = weight.ravel() + rows @ loads
+        loads[shares] = np.linalg.lstsq(rows[:, shares], -rest, rcond=None)[0]
     return loads, weight + (rows @ loads).reshape(weight.shape)
 
 
 def carried(vehicle, gravity):
     """Bushings that carry weight at rest with the force that each carries: list of (Place, force down [N])."""
-    loads, _ = _statics(vehicle)
-    return list(zip(_carriers(vehicle), gravity * loads, strict=True))
+    loads, _ = _statics(vehicle, gravity)
+    return list(zip(_carriers(vehicle), loads, strict=True))
 
 
-def _on_wheelsets(vehicle):
-    """Vertical force and its roll moment on each wheelset at rest per unit of gravity, (n_wheelset, 2) [kg, kg m]."""
-    loads, _ = _statics(vehicle)
-    total = np.array([(body.mass, 0.0) for body in vehicle.bodies])
-    for place, load in zip(_carriers(vehicle), loads, strict=True):
+def _on_wheelsets(vehicle, gravity=STANDARD_GRAVITY):
+    """Vertical force and its roll moment on each wheelset at rest, (n_wheelset, 2) [N, N m]."""
+    total = np.array([(gravity * body.mass, 0.0) for body in vehicle.bodies])
+    for place, load in carried(vehicle, gravity):
         total[place.lower] += load, load * place.lower_arm[1]
         total[place.upper] -= load, load * place.upper_arm[1]
     return total[list(vehicle.wheelsets)]
@@ -221,7 +226,7 @@ def static_wheel_loads(vehicle, gravity, tape_circle):
     numpy.ndarray, shape (n_wheelset, 2)
         Right and left wheel, down positive [N].
     """
-    force, moment = gravity * _on_wheelsets(vehicle).T
+    force, moment = _on_wheelsets(vehicle, gravity).T
     return np.stack([force + moment / tape_circle, force - moment / tape_circle], axis=1) / 2.0
 
 
@@ -257,8 +262,7 @@ def pack(vehicle, gravity, tape_circle, friction):
         wheel takes is left to the assembler. A bushing's preload is the force on the upper body, so one that carries
         weight is negative along z.
     """
-    loads, _ = _statics(vehicle)
-    loads = iter(gravity * loads)
+    loads = iter(_statics(vehicle, gravity)[0])
     joints, elements, states = [], [], []
     curves = _Curves()
     for joint, lower, upper, places in placed(vehicle):
@@ -308,7 +312,7 @@ def _fill_bushing(row, bushing, sign, curves, loads):
         if table is not None:
             x, y = table.knots()
             row["spring_curve"][axis] = curves.index(side * x[::side], side * y[::side])
-    if bushing.carries_weight:
+    if bushing.carries_weight or bushing.preload > 0.0:
         row["preload"][2] = -next(loads)
 
 
