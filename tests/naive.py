@@ -367,8 +367,8 @@ def leaf_spring(way, upper, lower, decay):
 def dry_energy(system, data):
     """Energy of two free bodies [J] where `evaluate` saw them: motion, springs, series springs, leaf springs.
 
-    Of a leaf spring it is what can be had back at most. Between lines k d +- B, f the force beside k d, B' = B - b k and b the decay: the integral of f b / (B' + |f|),
-    which is what the way back to f = 0 gives.
+    Of a leaf spring it is what can be had back at most. Between lines k d +- B, with f the force beside k d, the decay
+    b and B' = B - b k, that is the integral of f b / (B' + |f|), which the way back to f = 0 gives.
     """
     model = system.model
     energy = 0.5 * np.sum(model.body["mass"][:, None] * data.v[:, :3] ** 2)

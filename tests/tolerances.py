@@ -107,6 +107,7 @@ LEAF_FADED = 1e-3  # of the largest force: exp(-2 A / b) = 5 % a turn, after fou
 LEAF_TWIN = 2e-3  # of the force: a chord across a knot of the envelopes; measured 1.2e-3, without knots 1e-9
 STUCK_MODE = 5e-6  # relative: differences over 1e-7 m of a leaf spring that bends over 2 mm; measured 1.4e-6
 DRY_ENERGY = 1e-3  # of all that is lost: squares of a step of 0.05 ms, and places half a step apart
+Y25_BALANCE = 5e-4  # demanded; measured 2e-6 at every interval
 
 # --- Equivalent conicity ---
 CONE = 1e-9  # [-, m] delta-r of a cone is exact; what remains is rounding and the search along the locus
