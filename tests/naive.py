@@ -1,9 +1,12 @@
 """Slow and obvious twins of the kernels."""
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, minimize
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipe, ellipkm1
+
+from railcli.kernels.layout import Kind
 
 
 def hertz_displacement(a, b, peak, modulus, x, y):
@@ -301,6 +304,95 @@ def joint_energy(model, j, lower, upper, damper):
             energy += curve_energy(model.curve[element["spring_curve"][0]], stretch)
         if element["state"] >= 0:
             energy += 0.5 * element["series"] * (np.linalg.norm(gap) - damper[element["state"]]) ** 2
+    return energy
+
+
+def friction(ends, start, series, limit):
+    """Forces (n, m) of a series spring on a rubbing end, led through places (n, m).
+
+    The rubbing end goes where the energy of the spring and the work of sliding from where it was are least.
+    """
+    x, forces = np.array(start, float), []
+    for end in ends:
+        unit = limit / series
+
+        def cost(moved, x=x, end=end, unit=unit):
+            stretch = (end - x) / unit - moved
+            return 0.5 * stretch @ stretch + np.linalg.norm(moved)
+
+        pull = (end - x) / unit
+        found = minimize(cost, 0.9 * pull + 1e-3, method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14})
+        still = np.zeros_like(pull)
+        x = x + unit * (found.x if cost(found.x) < cost(still) else still)
+        forces.append(series * (end - x))
+    return np.array(forces)
+
+
+def series_tension(lengths, start, series, rates, forces, step):
+    """Tension of a damper table behind a spring, led through lengths: x from one to the next by backward Euler."""
+
+    def table(rate):
+        slopes = np.diff(forces) / np.diff(rates)
+        piece = np.clip(np.searchsorted(rates, rate) - 1, 0, slopes.size - 1)
+        return forces[piece] + slopes[piece] * (rate - rates[piece])
+
+    x, tensions = start, []
+    for length in lengths:
+
+        def gap(rate, x=x, to=length):
+            return table(rate) - series * (to - x - step * rate)
+
+        x += step * brentq(gap, -1e3, 1e3, xtol=1e-15, rtol=1e-14)
+        tensions.append(series * (length - x))
+    return np.array(tensions)
+
+
+def leaf_spring(way, upper, lower, decay):
+    """Force against deflection of a leaf spring led through deflections, from 0 and no force; envelopes (x, force)."""
+    place, force, forces = 0.0, 0.0, []
+    for to in way:
+        x, y = upper if to > place else lower
+        sign = 1.0 if to > place else -1.0
+        knots = [knot for knot in x if min(place, to) < knot < max(place, to)]
+        for stop in [*sorted(knots, reverse=sign < 0), to]:
+            def slope(at, f, x=x, y=y, sign=sign):
+                return sign * (np.interp(at, x, y) - f) / decay
+
+            force = solve_ivp(slope, (place, stop), [force], rtol=1e-11, atol=1e-8).y[0, -1]
+            place = stop
+        forces.append(force)
+    return np.array(forces)
+
+
+def dry_energy(system, data):
+    """Energy of two free bodies [J] where `evaluate` saw them: motion, springs, series springs, leaf springs.
+
+    Of a leaf spring it is what can be had back at most. Between lines k d +- B, with f the force beside k d, the decay
+    b and B' = B - b k, that is the integral of f b / (B' + |f|), which the way back to f = 0 gives.
+    """
+    model = system.model
+    energy = 0.5 * np.sum(model.body["mass"][:, None] * data.v[:, :3] ** 2)
+    energy += 0.5 * np.sum(model.body["inertia"] * data.v[:, 3:] ** 2)
+    (low, axes_a), (up, axes_b) = zip(data.frame["position"], data.frame["axes"], strict=True)
+    relative = Rotation.from_matrix(axes_a.T @ axes_b)
+    frame = axes_a @ Rotation.from_rotvec(relative.as_rotvec() / 2).as_matrix()
+    energy += 0.5 * np.sum(model.joint[0]["turn"] * (2 * relative.as_quat()[:3]) ** 2)
+    for element in model.element:
+        gap = up + axes_b @ element["upper"] - low - axes_a @ element["lower"]
+        d, state = frame.T @ gap, element["state"]
+        if element["kind"] == Kind.BUSHING:
+            energy += np.sum(0.5 * element["k"] * d**2 - element["preload"] * d)
+        elif element["kind"] == Kind.DRY:
+            kept = np.flatnonzero(element["k"])
+            energy += 0.5 * element["series"] * np.sum((d[kept] - data.damper[state : state + kept.size]) ** 2)
+        elif element["kind"] == Kind.LEAF:
+            lines = model.curve[element["spring_curve"][:2]]
+            k = (lines[0]["y"][1] - lines[0]["y"][0]) / (lines[0]["x"][1] - lines[0]["x"][0])
+            band = lines[0]["y"][0] - k * lines[0]["x"][0] - element["decay"] * k
+            f = abs(data.damper[state + 1] - k * data.damper[state])
+            energy += 0.5 * k * d[2] ** 2 + element["decay"] * (f - band * np.log1p(f / band))
+        else:
+            energy += 0.5 * element["series"] * (np.linalg.norm(gap) - data.damper[state]) ** 2
     return energy
 
 

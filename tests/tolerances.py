@@ -100,6 +100,22 @@ FLIGHT = 1e-6  # [J] rounding of 4e5 J in a flight: measured 2e-10
 REBOUND = 1e-5  # of the height: steps of 0.01 ms in an impact of some ms
 RESTITUTION = 2e-3  # the tread is 1 : 40 steep, and the branch bends as the wheel sinks in
 
+# --- Dry friction and leaf springs ---
+SWING = 2e-6  # [m] squares of h omega = 0.05 in the series spring over a swing of 0.25 m
+STUCK = 1e-9  # [m] 5 % of damping has faded 2 s after it stopped
+STUCK_FORCE = 1e-3  # [N] rounding of places of 5 m, 1e-15, times 1e7 N/m
+SLIDING = 1e-3  # of the speed after 2 s: the series spring swings once before it slides
+LOOP = 1e-4  # of the area: 4000 samples, and corners that fall between them
+TRACTRIX = 5e-3  # of F / ks: a sample is 0.8 % of it, half of which the end lags behind
+OPTIMISED = 1e-5  # of the limit: a simplex stops at 1e-10 of F / ks, where the cost is flat to its square root
+NEARLY_DRY = 2e-5  # [m] of 0.1 m: the table's force is not full below 0.01 mm/s
+LEAF_LOOP = 2e-3  # of the area: trapezoids over 400 samples; exact in between
+LEAF_FADED = 1e-3  # of the largest force: exp(-2 A / b) = 5 % a turn, after four loops
+LEAF_TWIN = 2e-3  # of the force: a chord across a knot of the envelopes; measured 1.2e-3, without knots 1e-9
+STUCK_MODE = 5e-6  # relative: differences over 1e-7 m of a leaf spring that bends over 2 mm; measured 1.4e-6
+DRY_ENERGY = 1e-3  # of all that is lost: squares of a step of 0.05 ms, and places half a step apart
+Y25_BALANCE = 5e-4  # demanded; measured 2e-6 at every interval
+
 # --- Equivalent conicity ---
 CONE = 1e-9  # [-, m] delta-r of a cone is exact; what remains is rounding and the search along the locus
 CONE_ROLLED = 2e-3  # relative: the closed form leaves out squares of the slope, 0.1 at most

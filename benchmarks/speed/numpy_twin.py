@@ -145,6 +145,19 @@ def read_curves(model, index, x):
     return value, slope
 
 
+def solve_curves(model, index, weight, target):
+    """x with y(x) + weight x = target on curves index (n,) that do not fall; zero where the index is negative."""
+    found = np.zeros_like(target)
+    for k in np.flatnonzero(index >= 0):
+        n = model.curve[index[k]]["count"]
+        x, y = model.curve[index[k]]["x"][:n], model.curve[index[k]]["y"][:n]
+        total = y + weight[k] * x
+        piece = np.clip(np.searchsorted(total, target[k]) - 1, 0, n - 2)
+        slope = (total[piece + 1] - total[piece]) / (x[piece + 1] - x[piece])
+        found[k] = x[piece] + (target[k] - total[piece]) / slope
+    return found
+
+
 def left_jacobian(vector):
     """Matrices J of rotation vectors: the angular velocity of exp(vector) is J d vector/dt. Series near zero."""
     square = np.sum(vector**2, axis=-1)[..., None, None]
@@ -210,10 +223,9 @@ def suspension(model, bodies, damper, half_step):
     closing = np.sum(unit * gap_rate, axis=1)
     rigid = np.where(table, read_curves(model, element["damper_curve"], closing)[0], element["c"][:, 0] * closing)
     trial = np.where(series, element["series"] * (length - damper[element["state"]] if damper.size else 0.0), 0.0)
-    compliance = 1.0 / np.where(element["c"][:, 0] > 0.0, element["c"][:, 0], 1.0)
-    speed, slope = read_curves(model, element["damper_curve"], trial)
-    speed, slope = np.where(table, speed, trial * compliance), np.where(table, slope, compliance)
-    speed = speed / (1.0 + half_step * slope * element["series"])
+    weight = half_step * element["series"]
+    linear = trial / np.where(element["c"][:, 0] + weight > 0.0, element["c"][:, 0] + weight, 1.0)
+    speed = np.where(table, solve_curves(model, element["damper_curve"], weight, trial), linear)
     tension += np.where(series, trial - half_step * speed * element["series"], rigid)
     rates[element["state"][series]] = speed[series]
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from railcli.analysis.equilibrium import steady  # noqa: E402
-from railcli.analysis.linear import damper_lengths, linear_about  # noqa: E402
+from railcli.analysis.linear import linear_about  # noqa: E402
 from railcli.errors import SimulationError  # noqa: E402
 from railcli.files.scenario import load  # noqa: E402
 from railcli.files.tables import tables_for  # noqa: E402
@@ -137,7 +137,7 @@ def against_newton(case, tables=None):
         data.q[:] = solved.q
         data.q[:, 0] -= data.q[0, 0]
         data.v[:] = solved.v
-        data.damper[:] = damper_lengths(system.model, solved)
+        data.damper[:] = solved.damper
         value = np.linalg.eigvals(linear_about(system, _copy(data), case.speed, curved=True).matrix)
         most = value[value.real.argmax()]
         growth, at = float(most.real), abs(float(most.imag)) / (2.0 * np.pi)

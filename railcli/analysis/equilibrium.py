@@ -19,7 +19,7 @@ from railcli.model.rails import constant as constant_rails
 from railcli.model.sections import Gradient, Straight, Transition
 from railcli.model.track import Track, constant_track, pack
 
-SETTLED = 1e9  # half step for which dampers with series stiffness carry no force [s]
+SETTLED = 1e9  # half step for which dampers with series stiffness and dry friction carry no force [s]
 PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
 TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]
 ITERATIONS = 60
@@ -188,7 +188,9 @@ def _newton(motion, x, turning):
 
 
 def _finish(motion, x, turning, residual, iterations):
+    """The motion x, with the states of dampers and friction that belong to no force of theirs."""
     motion.accelerations(x, turning)
+    motion.data.damper[:] += SETTLED * motion.data.damper_rate
     return Equilibrium(motion.data, float(residual), iterations)
 
 

@@ -38,6 +38,9 @@ def sentence(system, data, status):
             Status.LEFT_SHIFT: "ran beyond the stretch on which the displacement of its rail is given",
         }[status]
         return f"{when}: wheel {wheel_name(system, culprit)} {what}"
+    if status == Status.UNKNOWN_ELEMENT:
+        kind = system.model.element[culprit]["kind"]
+        return f"{when}: force element {culprit + 1} is of kind {kind}, which the core does not know"
     name = system.bodies[culprit]
     if status == Status.LEFT_TRACK:
         return f"{when}: {name} ran off the end of the track"

@@ -1,6 +1,6 @@
 """The compiled model about its steady motion on straight level track, linearised by differences of its state.
 
-State x = (q, v, damper): coordinates, velocities and lengths of the dampers with series stiffness, as `Data` has them.
+State x = (q, v, damper): coordinates, velocities and states of the elements, as `Data` has them.
 dx/dt = (rate, dv, damper_rate) is what `evaluate` gives (docs/stability.md, section 1).
 """
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy import linalg
 
 from railcli.errors import SimulationError
-from railcli.kernels.layout import NO_SHIFT, Kind, Status, freeze
+from railcli.kernels.layout import NO_SHIFT, Status, freeze
 from railcli.kernels.step import evaluate
 from railcli.model.track import Straight, Track, pack
 
@@ -85,7 +85,6 @@ def linearise(system, speed=None, scale=1.0, contact=False):
     """
     speed = system.speed if speed is None else speed
     data = steady(system, 0.0, 0.0, speed).data
-    data.damper[:] = damper_lengths(system.model, data)
     return linear_about(system, data, speed, scale, contact)
 
 
@@ -119,7 +118,8 @@ def linear_about(system, data, speed, scale=1.0, contact=False, curved=False):
     n = data.q.shape[0]
     spins = np.flatnonzero(free.model.body["spins"])
     full[6 * np.arange(1, n)] -= full[0]
-    kept = np.setdiff1d(np.arange(full.shape[0]), [0, *(6 * spins + 4)])
+    resting = 12 * n + np.flatnonzero(~full[12 * n :].any(axis=1))
+    kept = np.setdiff1d(np.arange(full.shape[0]), [0, *(6 * spins + 4), *resting])
     parts = np.zeros((0, kept.size, 12))
     if contact:
         parts = _contact_parts(free, data, scale)[:, kept]
@@ -134,19 +134,6 @@ def on_straight(system, length=1.0, **values):
     track = pack(Track((Straight(length=length),)))
     speed = float(param[0]["speed"])
     return replace(system, model=freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT)), speed=speed)
-
-
-def damper_lengths(model, data):
-    """Distances of the ends of the dampers with series stiffness [m]."""
-    lengths = np.zeros(data.damper.size)
-    position, axes = data.frame["position"], data.frame["axes"]
-    for joint in model.joint:
-        low, up = joint["lower"], joint["upper"]
-        for element in model.element[joint["first"] : joint["first"] + joint["count"]]:
-            if element["kind"] == Kind.LINK and element["state"] >= 0:
-                ends = position[up] + axes[up] @ element["upper"], position[low] + axes[low] @ element["lower"]
-                lengths[element["state"]] = np.linalg.norm(ends[0] - ends[1])
-    return lengths
 
 
 def _probe(model, data, array, place, step):

@@ -50,12 +50,16 @@ class Outcome:
 
 
 def settled_start(system, lateral=0.0):
-    """Data of the vehicle rolling at its speed, in static equilibrium but for a lateral shift of all bodies [m]."""
+    """Data of the vehicle rolling at its speed, in static equilibrium but for a lateral shift of all bodies [m].
+
+    Dampers and dry friction carry nothing: the vehicle was not pushed about before.
+    """
     rest = static(system).data
     data = system.start(0.0, lateral)
     data.q[:, 0] = rest.q[:, 0] - rest.q[0, 0]
     data.q[:, 2:] = rest.q[:, 2:]
     data.q[:, 1] = rest.q[:, 1] + lateral
+    data.damper[:] = rest.damper
     return data
 
 

@@ -1,9 +1,10 @@
 """The linear model of a vehicle in its vertical plane: an independent reference for small vertical disturbances.
 
 Written from the vehicle's description, not from the packed model: bodies move along x and z and pitch, wheelsets along
-x and z and spin; springs and dampers as they stand, dampers with series stiffness with their state, contact by its
-stiffness about rest, 1.5 N / p along z, and its damping (docs/disturbance.md). Signs of the track frame: z down,
-pitch front up. All quantities are departures from rest on straight level track at constant speed.
+x and z and spin; springs and dampers as they stand, dampers with series stiffness with their state, dry friction by its
+series spring, contact by its stiffness about rest, 1.5 N / p along z, and its damping (docs/disturbance.md). Signs of
+the track frame: z down, pitch front up. All quantities are departures from rest on straight level track at constant
+speed.
 """
 
 from dataclasses import dataclass
@@ -11,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import StateSpace, lsim
 
-from railcli.model.elements import Bushing
+from railcli.model.elements import Bushing, Link
+from railcli.model.friction_elements import Friction, LeafSpring
 from railcli.model.vehicle import carried, placed
 
 X, Z, PITCH = 0, 1, 2
@@ -111,7 +113,7 @@ def vertical_model(vehicle, contacts, speed, hold, gravity):
         turn[3 * upper + PITCH], turn[3 * lower + PITCH] = 1.0, -1.0
         stiffness += joint.total_turn_stiffness[1] * np.outer(turn, turn)
         for place in places:
-            for direction, k, c, series in _springs(place):
+            for direction, k, c, series in _springs(vehicle, place):
                 stretch = _motion(vehicle, n, upper, place.upper_arm, direction)
                 stretch -= _motion(vehicle, n, lower, place.lower_arm, direction)
                 stiffness += k * np.outer(stretch, stretch)
@@ -141,19 +143,35 @@ def vertical_model(vehicle, contacts, speed, hold, gravity):
     return VerticalModel(space, np.array([vehicle.bodies[i].x - first for i in vehicle.wheelsets]), speed)
 
 
-def _springs(place):
-    """Direction (x, z), stiffness, damping and series stiffness of each spring of an element."""
+def _springs(vehicle, place):
+    """Direction (x, z), stiffness, damping and series stiffness of each spring of an element; friction sticks."""
     element = place.element
     if isinstance(element, Bushing):
         for axis, direction in ((0, (1.0, 0.0)), (2, (0.0, 1.0))):
             table = element.spring_tables[axis]
             yield direction, element.stiffness[axis] + _slope(table), element.damping[axis], 0.0
-        return
+    elif isinstance(element, Link):
+        damping = element.damping
+        if element.damper_table is not None:
+            damping = _slope(element.damper_table)
+        yield _line(place), element.stiffness, damping, element.series_stiffness
+    elif isinstance(element, Friction):
+        damping = element.damping_between(*(vehicle.bodies[i].mass for i in (place.lower, place.upper)))
+        along = {"x": (1.0, 0.0), "z": (0.0, 1.0)}
+        lines = [_line(place)] if element.is_link else [along[axis] for axis in element.directions if axis in along]
+        for direction in lines:
+            yield direction, element.series_stiffness, damping, 0.0
+    elif isinstance(element, LeafSpring):
+        yield (0.0, 1.0), element.soft_stiffness, 0.0, 0.0
+    else:
+        raise TypeError(f"no springs known of {type(element).__name__}")
+
+
+def _line(place):
+    """Direction (x, z) from the lower to the upper end of an element."""
+    element = place.element
     along = np.subtract(element.upper, element.lower) / element.length
-    damping = element.damping
-    if element.damper_table is not None:
-        damping = _slope(element.damper_table)
-    yield (place.sign[0] * along[0], -along[2]), element.stiffness, damping, element.series_stiffness
+    return place.sign[0] * along[0], -along[2]
 
 
 def _slope(table):

@@ -23,8 +23,12 @@ from .profiles import load_profile
 from .resources import resource
 from .track_table import read_alignment
 
-CASES = "benchmarks/manchester/cases"
-VEHICLES = {"manchester": "benchmarks/manchester/vehicle.toml"}
+CASES = ("benchmarks/manchester/cases", "vehicles/y25/cases")
+VEHICLES = {
+    "manchester": "benchmarks/manchester/vehicle.toml",
+    "y25-empty": "vehicles/y25/empty.toml",
+    "y25-laden": "vehicles/y25/laden.toml",
+}
 DEFAULT_SCENARIO = "curve-1200-45"
 
 
@@ -36,7 +40,11 @@ def builtin_scenarios():
     dict of str to str
         In alphabetical order.
     """
-    return {path.stem: toml.read(path).get("title", "") for path in sorted(resource(CASES).glob("*.toml"))}
+    return {name: toml.read(path).get("title", "") for name, path in sorted(_cases().items())}
+
+
+def _cases():
+    return {path.stem: path for folder in CASES for path in resource(folder).glob("*.toml")}
 
 
 def load(scenario=DEFAULT_SCENARIO):
@@ -54,11 +62,10 @@ def load(scenario=DEFAULT_SCENARIO):
     """
     if _is_path(scenario):
         return _load_file(Path(scenario))
-    path = resource(CASES) / f"{scenario}.toml"
-    if not path.is_file():
-        known = builtin_scenarios()
-        raise InputError(scenario, f"no built-in scenario and not a .toml file; {hint(str(scenario), known)}")
-    return _load_file(path)
+    cases = _cases()
+    if scenario not in cases:
+        raise InputError(scenario, f"no built-in scenario and not a .toml file; {hint(str(scenario), cases)}")
+    return _load_file(cases[scenario])
 
 
 @dataclass(frozen=True, eq=False)

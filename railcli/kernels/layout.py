@@ -33,6 +33,7 @@ class Status(IntEnum):
     LEFT_TRACK = 4  # fault = body
     TOO_MANY_CONTACTS = 5  # fault = wheel
     LEFT_SHIFT = 6  # fault = wheel: the displacement of its rail is not given there
+    UNKNOWN_ELEMENT = 7  # fault = element: its kind is not one of Kind
 
 
 class Kind(IntEnum):
@@ -40,6 +41,9 @@ class Kind(IntEnum):
 
     BUSHING = 0  # three springs and dampers along the joint's axes
     LINK = 1  # acts along the line between its two ends
+    DRY = 2  # dry friction along one or several of the joint's axes
+    DRY_LINK = 3  # dry friction along the line between its two ends
+    LEAF = 4  # leaf spring along the joint's z
 
 
 class Axes(IntEnum):
@@ -132,14 +136,19 @@ ELEMENT = np.dtype(
         ("kind", "i8"),  # Kind
         ("lower", "f8", 3),  # end on the lower body, in its frame [m]
         ("upper", "f8", 3),  # end on the upper body, in its frame [m]
-        ("k", "f8", 3),  # bushing: stiffness along x, y, z; link: k[0] along it [N/m]
-        ("c", "f8", 3),  # damping likewise [N s/m]
+        ("k", "f8", 3),  # bushing: stiffness along x, y, z; link: k[0] along it; friction: 0 where it has none [N/m]
+        ("c", "f8", 3),  # damping likewise; friction: c[0] beside its series spring [N s/m]
         ("preload", "f8", 3),  # bushing: force on the upper body at rest; link: -, tension in [0] [N]
-        ("spring_curve", "i8", 3),  # force over displacement beside k, index into curves; -1: none
-        ("damper_curve", "i8"),  # link: force over rate; with series stiffness: rate over force; -1: none
-        ("series", "f8"),  # link: stiffness in series with the damper; 0: none [N/m]
-        ("state", "i8"),  # its place in Data.damper; -1: none
+        ("spring_curve", "i8", 3),  # force over displacement beside k, index into curves; -1: none; leaf: upper, lower
+        ("damper_curve", "i8"),  # link: force over rate, index into curves; -1: none
+        ("series", "f8"),  # stiffness in series with a link's damper, or with dry friction; 0: none [N/m]
+        ("dry", "i8"),  # 1: a damper in series whose table has a flat part
+        ("state", "i8"),  # its first place in Data.damper; -1: none
         ("length", "f8"),  # link: length without spring force [m]
+        ("limit", "f8"),  # dry friction: constant part of its limit [N]
+        ("coefficient", "f8"),  # and part per load of the element `source` [-]
+        ("source", "i8"),  # element whose load it feels, before it in the same joint; -1: none
+        ("decay", "f8"),  # leaf: deflection over which its force fades towards an envelope by 1/e [m]
     ],
     align=True,
 )
@@ -320,14 +329,15 @@ class Data(NamedTuple):
     q: np.ndarray  # state: (n_body, 6) s, y, z [m], roll, pitch, yaw [rad] against its track frame
     v: np.ndarray  # state: (n_body, 6) velocity in track axes [m/s], angular velocity in its own axes [rad/s]
     dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
-    damper: np.ndarray  # state: (n_state,) length of the dampers that have series stiffness [m]
+    damper: np.ndarray  # state: (n_state,) lengths of dampers with series stiffness, of friction; leaf springs [m, N]
     clock: np.ndarray  # state: (1,) time [s]
     q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
     v_start: np.ndarray  # derived: (n_body, 6)
     dv_start: np.ndarray  # derived: (n_body, 6) acceleration of the last step
     rate: np.ndarray  # derived: (n_body, 6) dq/dt
     frame: np.ndarray  # derived: (n_body,) FRAME
-    damper_rate: np.ndarray  # derived: (n_state,) [m/s]
+    damper_rate: np.ndarray  # derived: (n_state,) [m/s, N/s]
+    carried: np.ndarray  # derived: (n_element,) push of a bushing on its upper body along -z of the joint's axes [N]
     load: np.ndarray  # derived: (n_body, 6) M dv/dt: force in track axes, moment in own axes [N, N m]
     rail_load: np.ndarray  # derived: (n_body, 6) part of it from the rails: normal and creep forces
     sample: np.ndarray  # derived: (SAMPLE_ROWS, NODE_CHANNELS) table values of the wheel at hand
@@ -382,6 +392,7 @@ DATA_TYPE = types.NamedTuple(
         mutable(np.float64, 2),
         mutable(FRAME),
         mutable(np.float64),
+        mutable(np.float64),
         mutable(np.float64, 2),
         mutable(np.float64, 2),
         mutable(np.float64, 2),
@@ -433,6 +444,7 @@ def new_data(model, q, n_damper):
         rate=np.zeros((n_body, 6)),
         frame=np.zeros(n_body, FRAME),
         damper_rate=np.zeros(n_damper),
+        carried=np.zeros(model.element.size),
         load=np.zeros((n_body, 6)),
         rail_load=np.zeros((n_body, 6)),
         sample=np.zeros((SAMPLE_ROWS, NODE_CHANNELS)),

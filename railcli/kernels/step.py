@@ -33,7 +33,9 @@ def loads(model, data, half_step):
     status = frames(model, data)
     if status != 0:
         return status
-    suspension(model, data, half_step)
+    status = suspension(model, data, half_step)
+    if status != 0:
+        return status
     inertia_loads(model, data)
     status = touch(model, data)
     if status != 0:

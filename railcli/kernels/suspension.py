@@ -1,26 +1,16 @@
 """Force elements between bodies (theory.md section 5); all vectors in ground axes unless said otherwise.
 
-Every element derives from a potential (but for its dampers), so that force and reaction cancel with their moments and
-the springs keep energy at finite rotations.
+Every element derives from a potential (but for dampers and friction), so that force and reaction cancel with their
+moments and the springs keep energy at finite rotations.
 """
 
 from math import sqrt
 
+from .curve import read_curve
+from .friction import dry_force, dry_link, leaf_force, series_damper
 from .jit import kernel
-from .layout import Axes, Kind
+from .layout import Axes, Kind, Status
 from .vec3 import accumulate, add, cross, dot, get, inward, outward, scale, sub
-
-
-@kernel
-def read_curve(curve, x):
-    """Value and slope of a piecewise linear CURVE at x, continued along its last slopes."""
-    n = curve["count"]
-    xs, ys = curve["x"], curve["y"]
-    i = 0
-    while i < n - 2 and x > xs[i + 1]:
-        i += 1
-    slope = (ys[i + 1] - ys[i]) / (xs[i + 1] - xs[i])
-    return ys[i] + slope * (x - xs[i]), slope
 
 
 @kernel
@@ -50,10 +40,10 @@ def rotate(h, h0, v):
 
 @kernel
 def joint_elements(model, data, j, half_step):
-    """Add the forces and moments of joint j to its two frames.
+    """Add the forces and moments of joint j to its two frames. Returns a status.
 
     half_step : time over which dampers with series stiffness move implicitly (half the integrator's step [s]); 0 for
-        their present rate, very large for settled dampers without force.
+        their present rate, very large for settled dampers and friction without force.
     """
     joint = model.joint[j]
     lower, upper = data.frame[joint["lower"]], data.frame[joint["upper"]]
@@ -80,7 +70,8 @@ def joint_elements(model, data, j, half_step):
             add(get(upper["velocity"]), cross(get(upper["omega_frame"]), arm_b)),
             add(get(lower["velocity"]), cross(get(lower["omega_frame"]), arm_a)),
         )
-        if element["kind"] == Kind.LINK:
+        kind = element["kind"]
+        if kind == Kind.LINK or kind == Kind.DRY_LINK:
             force = link_force(model, data, element, gap, gap_rate, half_step)
         else:
             gap_rate = sub(gap_rate, cross(omega, gap))
@@ -88,11 +79,20 @@ def joint_elements(model, data, j, half_step):
                 conjugate = (-hv[0], -hv[1], -hv[2])
                 d = rotate(conjugate, h0, inward(axes_a, gap))
                 rate = rotate(conjugate, h0, inward(axes_a, gap_rate))
-                force = outward(axes_a, rotate(hv, h0, bushing_force(model, element, d, rate)))
             else:
                 d = inward(axes_b, gap)
                 rate = inward(axes_b, gap_rate)
-                force = outward(axes_b, bushing_force(model, element, d, rate))
+            if kind == Kind.BUSHING:
+                force = bushing_force(model, element, d, rate)
+                data.carried[e] = -force[2]
+            elif kind == Kind.DRY:
+                force = dry_force(data, element, d, rate, half_step)
+            elif kind == Kind.LEAF:
+                force = (0.0, 0.0, -leaf_force(model, data, element, d[2], half_step))
+            else:
+                data.fault[0] = e
+                return Status.UNKNOWN_ELEMENT.value
+            force = outward(axes_a, rotate(hv, h0, force)) if mean else outward(axes_b, force)
             couple = add(couple, cross(force, gap))
         force_b = add(force_b, force)
         moment_a = sub(moment_a, cross(arm_a, force))
@@ -115,6 +115,7 @@ def joint_elements(model, data, j, half_step):
     accumulate(lower["force"], scale(-1.0, force_b))
     accumulate(lower["moment"], moment_a)
     accumulate(upper["moment"], moment_b)
+    return 0
 
 
 @kernel
@@ -135,30 +136,18 @@ def bushing_force(model, element, d, rate):
 
 @kernel
 def link_force(model, data, element, gap, gap_rate, half_step):
-    """Force of a link on the upper body; gap, gap_rate : upper end less lower end.
-
-    A damper with series stiffness ks moves by the implicit midpoint rule: T = ks (l - x), dx/dt = rate(T), with l the
-    distance of its ends and x its own length.
-    """
+    """Force of a link or of friction along a line on the upper body; gap, gap_rate : upper end less lower end."""
     length = sqrt(dot(gap, gap))
     along = scale(1.0 / length, gap)
+    if element["kind"] == Kind.DRY_LINK:
+        return scale(-dry_link(data, element, length, dot(along, gap_rate), half_step), along)
     stretch = length - element["length"]
     tension = element["preload"][0] + element["k"][0] * stretch
     if element["spring_curve"][0] >= 0:
         tension += read_curve(model.curve[element["spring_curve"][0]], stretch)[0]
-    state = element["state"]
     table = element["damper_curve"]
-    if state >= 0:
-        series = element["series"]
-        trial = series * (length - data.damper[state])
-        if table >= 0:
-            rate, slope = read_curve(model.curve[table], trial)
-        else:
-            slope = 1.0 / element["c"][0]
-            rate = trial * slope
-        rate /= 1.0 + half_step * slope * series
-        tension += trial - half_step * rate * series
-        data.damper_rate[state] = rate
+    if element["state"] >= 0:
+        tension += series_damper(model, data, element, length, half_step)
     elif table >= 0:
         tension += read_curve(model.curve[table], dot(along, gap_rate))[0]
     else:
@@ -168,6 +157,9 @@ def link_force(model, data, element, gap, gap_rate, half_step):
 
 @kernel
 def suspension(model, data, half_step):
-    """Add the forces of all joints to data.frame and fill data.damper_rate."""
+    """Add the forces of all joints to data.frame and fill data.damper_rate. Returns a status."""
     for j in range(model.joint.size):
-        joint_elements(model, data, j, half_step)
+        status = joint_elements(model, data, j, half_step)
+        if status != 0:
+            return status
+    return 0

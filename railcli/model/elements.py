@@ -10,25 +10,18 @@ from pydantic import Field, model_validator
 
 from railcli.kernels.layout import CURVE_KNOTS
 
-from .checks import Coefficient, CoefficientVector, Description, Flag, Name, Point, Real
+from .checks import Coefficient, CoefficientVector, Description, Flag, Name, Point, hint
+from .element_parts import MIRRORS, Mirror, Values, check_knots, mirrored_apart
+from .friction_elements import Friction, LeafSpring
 
 _NO_STIFFNESS = (0.0, 0.0, 0.0)
-_MIRRORS = {  # signs of x and y of each copy
-    "none": ((1, 1),),
-    "y": ((1, 1), (1, -1)),
-    "x": ((1, 1), (-1, 1)),
-    "xy": ((1, 1), (1, -1), (-1, 1), (-1, -1)),
-}
-_Value = Annotated[Real, Field(ge=-1e12, le=1e12)]
-_Values = Annotated[tuple[_Value, ...], Field(min_length=2, max_length=CURVE_KNOTS)]
-_Mirror = Literal["none", "x", "y", "xy"]
 
 
 class _Table(Description):
     """Piecewise linear, continued along its first and last slopes."""
 
     argument_name: ClassVar[str]
-    force: _Values = Field(alias="force_N")
+    force: Values = Field(alias="force_N")
     odd: Flag = False  # given for the positive side only; f(-x) = -f(x)
 
     def knots(self):
@@ -43,12 +36,7 @@ class _Table(Description):
     @model_validator(mode="after")
     def _is_a_spring_or_damper(self):
         name = self.argument_name
-        if len(self.argument) != len(self.force):
-            raise ValueError(f"{name} has {len(self.argument)} values, force has {len(self.force)}")
-        if np.any(np.diff(self.argument) <= 0.0):
-            raise ValueError(f"{name} must increase from each value to the next")
-        if np.any(np.diff(self.force) < 0.0):
-            raise ValueError("force must not decrease")
+        check_knots(name, self.argument, self.force)
         if self.odd and (self.argument[0] < 0.0 or (self.argument[0] == 0.0 and self.force[0] != 0.0)):
             raise ValueError(f"with odd = true, {name} must not be negative and the force at 0 must be 0")
         x, y = self.knots()
@@ -63,7 +51,7 @@ class SpringTable(_Table):
     """Force over displacement, beside the linear stiffness."""
 
     argument_name = "displacement"
-    displacement: _Values = Field(alias="displacement_m")
+    displacement: Values = Field(alias="displacement_m")
 
     @property
     def argument(self):
@@ -74,7 +62,7 @@ class DamperTable(_Table):
     """Force over rate of extension."""
 
     argument_name = "rate"
-    rate: _Values = Field(alias="rate_m_per_s")
+    rate: Values = Field(alias="rate_m_per_s")
 
     @property
     def argument(self):
@@ -86,7 +74,7 @@ class Bushing(Description):
 
     name: Name
     at: Point = Field(alias="at_m")
-    mirror: _Mirror = "none"
+    mirror: Mirror = "none"
     stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="stiffness_N_per_m")
     damping: CoefficientVector = Field(_NO_STIFFNESS, alias="damping_Ns_per_m")
     turn_stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="turn_stiffness_Nm_per_rad")
@@ -94,6 +82,7 @@ class Bushing(Description):
     spring_table_y: SpringTable | None = None
     spring_table_z: SpringTable | None = None
     carries_weight: Flag = False
+    preload: Coefficient = Field(0.0, alias="preload_N")  # vertical load at rest, given instead of its share of weight
 
     @property
     def ends(self):
@@ -101,7 +90,7 @@ class Bushing(Description):
 
     @property
     def signs(self):
-        return _MIRRORS[self.mirror]
+        return MIRRORS[self.mirror]
 
     @property
     def spring_tables(self):
@@ -109,7 +98,9 @@ class Bushing(Description):
 
     @model_validator(mode="after")
     def _mirrors(self):
-        return _mirrored_apart(self)
+        if self.carries_weight and self.preload > 0.0:
+            raise ValueError("give either carries_weight = true or preload_N, the load that it carries at rest")
+        return mirrored_apart(self)
 
 
 class Link(Description):
@@ -118,7 +109,7 @@ class Link(Description):
     name: Name
     lower: Point = Field(alias="lower_m")
     upper: Point = Field(alias="upper_m")
-    mirror: _Mirror = "none"
+    mirror: Mirror = "none"
     stiffness: Coefficient = Field(0.0, alias="stiffness_N_per_m")
     damping: Coefficient = Field(0.0, alias="damping_Ns_per_m")
     damper_table: DamperTable | None = None
@@ -130,7 +121,7 @@ class Link(Description):
 
     @property
     def signs(self):
-        return _MIRRORS[self.mirror]
+        return MIRRORS[self.mirror]
 
     @property
     def length(self):
@@ -148,16 +139,7 @@ class Link(Description):
             raise ValueError("does nothing; give stiffness_N_per_m, damping_Ns_per_m or damper_table")
         if self.series_stiffness > 0.0 and not damps:
             raise ValueError("series_stiffness_N_per_m needs damping_Ns_per_m or damper_table")
-        if self.series_stiffness > 0.0 and self.damper_table and np.any(np.diff(self.damper_table.force) <= 0.0):
-            raise ValueError("with series_stiffness_N_per_m, force of damper_table must increase strictly")
-        return _mirrored_apart(self)
-
-
-def _mirrored_apart(element):
-    for axis, letter in enumerate("xy"):
-        if letter in element.mirror and all(end[axis] == 0.0 for end in element.ends):
-            raise ValueError(f"mirror = {element.mirror!r}, but its {letter} is 0: it would stand twice in one place")
-    return element
+        return mirrored_apart(self)
 
 
 class Joint(Description):
@@ -173,6 +155,31 @@ class Joint(Description):
     turn_stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="turn_stiffness_Nm_per_rad")
     bushings: tuple[Bushing, ...] = Field((), alias="bushing")
     links: tuple[Link, ...] = Field((), alias="link")
+    frictions: tuple[Friction, ...] = Field((), alias="friction")
+    leaf_springs: tuple[LeafSpring, ...] = Field((), alias="leaf_spring")
+
+    @property
+    def elements(self):
+        """All of them; what carries a load stands before the friction that feels it."""
+        return (*self.bushings, *self.links, *self.frictions, *self.leaf_springs)
+
+    @model_validator(mode="after")
+    def _friction_feels_its_load(self):
+        names = [bushing.name for bushing in self.bushings]
+        for f, friction in enumerate(self.frictions, start=1):
+            if friction.load_of is None:
+                continue
+            where = f"friction[{f}].load_of"
+            if names.count(friction.load_of) != 1:
+                found = "several bushings are" if friction.load_of in names else "no bushing of this joint is"
+                raise ValueError(f"{where}: {found} named {friction.load_of!r}; {hint(friction.load_of, names)}")
+            source = self.bushings[names.index(friction.load_of)]
+            if source.mirror not in ("none", friction.mirror):
+                raise ValueError(
+                    f"{where}: {source.name!r} has mirror = {source.mirror!r}, {friction.name!r} {friction.mirror!r}; "
+                    "each must stand beside the one whose load it feels"
+                )
+        return self
 
     @property
     def total_turn_stiffness(self):

@@ -14,8 +14,10 @@ from railcli.kernels.layout import BODY, CURVE, ELEMENT, JOINT, WHEEL, Axes, Kin
 
 from .checks import Coordinate, Description, Name, Positive, Real, Text, hint
 from .elements import Bushing, Joint, Link
+from .friction_elements import Friction, LeafSpring
 
 LARGEST_DIFFERENCE = 0.010  # of the wheel radii of one wheelset [m]
+STANDARD_GRAVITY = 9.81  # for the checks of a vehicle that no scenario has put anywhere yet [m/s^2]
 STATIC_RESIDUAL = 1e-6  # share of the vehicle's weight that the preloads may leave unbalanced
 _Inertia = Annotated[Positive, Field(le=1e12)]
 _Radius = Annotated[Real, Field(ge=0.05, le=2.0)]
@@ -92,13 +94,15 @@ class Vehicle(Description):
             lower, upper = (self.bodies[self.names.index(name)] for name in pair)
             if lower is upper:
                 raise ValueError(f"{where}[{p}]: joins {pair[0]!r} with itself")
+            if set(pair) in map(set, joint.pairs[: p - 1]):
+                raise ValueError(f"{where}[{p}]: {pair[0]!r} and {pair[1]!r} are joined by this joint already")
             if joint.total_turn_stiffness[1] > 0.0 and (lower.is_wheelset or upper.is_wheelset):
                 raise ValueError(f"{where}[{p}]: a wheelset spins, so its joints take no turn stiffness about y")
 
     def _check_statics(self):
         _, residual = _statics(self)
         worst = int(np.argmax(np.abs(residual).max(axis=1)))
-        if np.abs(residual[worst]).max() > STATIC_RESIDUAL * sum(body.mass for body in self.bodies):
+        if np.abs(residual[worst]).max() > STATIC_RESIDUAL * STANDARD_GRAVITY * sum(body.mass for body in self.bodies):
             raise ValueError(
                 f"nothing carries {self.names[worst]!r} at rest; give it bushings with carries_weight = true, "
                 "placed so that they balance its weight without tilting it or turning an axle box"
@@ -118,6 +122,11 @@ class Vehicle(Description):
         return tuple(i for i, body in enumerate(self.bodies) if body.is_wheelset)
 
     @property
+    def is_dry(self):
+        """True when elements have dry friction, which steady motions leave out."""
+        return any(joint.frictions or joint.leaf_springs for joint in self.joints)
+
+    @property
     def reach(self):
         """Largest distance of a body's centre from that of the first body [m]."""
         return max(abs(body.x - self.bodies[0].x) for body in self.bodies)
@@ -126,7 +135,7 @@ class Vehicle(Description):
 class Place(NamedTuple):
     """One element of one pair, as it stands in the vehicle."""
 
-    element: Bushing | Link
+    element: Bushing | Link | Friction | LeafSpring
     sign: tuple[int, int]  # -1: mirrored in x, in y
     lower: int
     upper: int
@@ -141,7 +150,7 @@ def placed(vehicle) -> Iterator[tuple[Joint, int, int, list[Place]]]:
             lower, upper = (vehicle.names.index(name) for name in pair)
             bodies = vehicle.bodies[lower], vehicle.bodies[upper]
             places = []
-            for element in (*joint.bushings, *joint.links):
+            for element in joint.elements:
                 for sign in element.signs:
                     arms = (_arm(bodies[0].x, end, sign, body) for end, body in zip(element.ends, bodies, strict=True))
                     places.append(Place(element, sign, lower, upper, *arms))
@@ -166,42 +175,46 @@ def _arm(origin, point, sign, body):
 def _carriers(vehicle):
     for _, _, _, places in placed(vehicle):
         for place in places:
-            if isinstance(place.element, Bushing) and place.element.carries_weight:
+            if isinstance(place.element, Bushing) and (place.element.carries_weight or place.element.preload > 0.0):
                 yield place
 
 
-def _statics(vehicle):
-    """Loads on the carrying bushings at rest per unit of gravity [kg], and what stays unbalanced (n_body, 3).
+def _statics(vehicle, gravity=STANDARD_GRAVITY):
+    """Loads on the carrying bushings at rest [N], and what stays unbalanced (n_body, 3) [N, N m].
 
     Vertical force, roll and pitch moment of every body balance, but the rails carry a wheelset's force and roll
-    moment: of a wheelset only the pitch moment is asked for, which no axle bearing carries. Of all solutions the one
-    with the least sum of squared loads, which shares a load equally among equal springs.
+    moment: of a wheelset only the pitch moment is asked for, which no axle bearing carries. Given preloads are what
+    they are; of all solutions for the others the one with the least sum of squared loads, which shares a load equally
+    among equal springs.
     """
     carriers = list(_carriers(vehicle))
     matrix = np.zeros((len(vehicle.bodies), 3, len(carriers)))
     weight = np.zeros((len(vehicle.bodies), 3))
-    weight[:, 0] = [body.mass for body in vehicle.bodies]
+    weight[:, 0] = [gravity * body.mass for body in vehicle.bodies]
     for column, place in enumerate(carriers):
         for i, arm, down in ((place.lower, place.lower_arm, 1.0), (place.upper, place.upper_arm, -1.0)):
             matrix[i, :, column] += down, down * arm[1], -down * arm[0]
     weight[list(vehicle.wheelsets)] = 0.0
     matrix[list(vehicle.wheelsets), :2] = 0.0
     rows = matrix.reshape(weight.size, len(carriers))
-    loads = np.linalg.lstsq(rows, -weight.ravel(), rcond=None)[0] if carriers else np.zeros(0)
+    loads = np.array([place.element.preload for place in carriers])
+    shares = np.array([place.element.carries_weight for place in carriers], bool)
+    if shares.any():
+        rest = weight.ravel() + rows @ loads
+        loads[shares] = np.linalg.lstsq(rows[:, shares], -rest, rcond=None)[0]
     return loads, weight + (rows @ loads).reshape(weight.shape)
 
 
 def carried(vehicle, gravity):
     """Bushings that carry weight at rest with the force that each carries: list of (Place, force down [N])."""
-    loads, _ = _statics(vehicle)
-    return list(zip(_carriers(vehicle), gravity * loads, strict=True))
+    loads, _ = _statics(vehicle, gravity)
+    return list(zip(_carriers(vehicle), loads, strict=True))
 
 
-def _on_wheelsets(vehicle):
-    """Vertical force and its roll moment on each wheelset at rest per unit of gravity, (n_wheelset, 2) [kg, kg m]."""
-    loads, _ = _statics(vehicle)
-    total = np.array([(body.mass, 0.0) for body in vehicle.bodies])
-    for place, load in zip(_carriers(vehicle), loads, strict=True):
+def _on_wheelsets(vehicle, gravity=STANDARD_GRAVITY):
+    """Vertical force and its roll moment on each wheelset at rest, (n_wheelset, 2) [N, N m]."""
+    total = np.array([(gravity * body.mass, 0.0) for body in vehicle.bodies])
+    for place, load in carried(vehicle, gravity):
         total[place.lower] += load, load * place.lower_arm[1]
         total[place.upper] -= load, load * place.upper_arm[1]
     return total[list(vehicle.wheelsets)]
@@ -223,7 +236,7 @@ def static_wheel_loads(vehicle, gravity, tape_circle):
     numpy.ndarray, shape (n_wheelset, 2)
         Right and left wheel, down positive [N].
     """
-    force, moment = gravity * _on_wheelsets(vehicle).T
+    force, moment = _on_wheelsets(vehicle, gravity).T
     return np.stack([force + moment / tape_circle, force - moment / tape_circle], axis=1) / 2.0
 
 
@@ -236,7 +249,7 @@ class PackedVehicle(NamedTuple):
     curve: np.ndarray
     wheel: np.ndarray
     rest: np.ndarray  # (n_body, 6) coordinates in the nominal geometry, s relative to the first body [m, rad]
-    damper: np.ndarray  # (n_state,) dampers with series stiffness: distance of their ends at rest [m]
+    damper: np.ndarray  # (n_state,) states of the elements, nothing displaced and no friction [m, N]
 
 
 def pack(vehicle, gravity, tape_circle, friction):
@@ -259,9 +272,8 @@ def pack(vehicle, gravity, tape_circle, friction):
         wheel takes is left to the assembler. A bushing's preload is the force on the upper body, so one that carries
         weight is negative along z.
     """
-    loads, _ = _statics(vehicle)
-    loads = iter(gravity * loads)
-    joints, elements, lengths = [], [], []
+    loads = iter(_statics(vehicle, gravity)[0])
+    joints, elements, states = [], [], []
     curves = _Curves()
     for joint, lower, upper, places in placed(vehicle):
         record = np.zeros(1, JOINT)[0]
@@ -272,11 +284,19 @@ def pack(vehicle, gravity, tape_circle, friction):
         for place in places:
             row = np.zeros(1, ELEMENT)[0]
             row["lower"], row["upper"] = place.lower_arm, place.upper_arm
-            row["spring_curve"], row["damper_curve"], row["state"] = -1, -1, -1
+            row["spring_curve"], row["damper_curve"], row["state"], row["source"] = -1, -1, -1, -1
             if isinstance(place.element, Bushing):
                 _fill_bushing(row, place.element, place.sign, curves, loads)
+            elif isinstance(place.element, Link):
+                _fill_link(row, place.element, curves, states)
+            elif isinstance(place.element, Friction):
+                _fill_friction(row, place, vehicle, states)
+                if place.element.load_of is not None:
+                    row["source"] = record["first"] + _source(place, places)
+            elif isinstance(place.element, LeafSpring):
+                _fill_leaf_spring(row, place.element, curves, states)
             else:
-                _fill_link(row, place.element, curves, lengths)
+                raise TypeError(f"no packing for {type(place.element).__name__}")
             elements.append(row)
     rest = np.zeros((len(vehicle.bodies), 6))
     rest[:, 0] = [body.x - vehicle.bodies[0].x for body in vehicle.bodies]
@@ -288,7 +308,7 @@ def pack(vehicle, gravity, tape_circle, friction):
         curve=np.array(curves.rows, CURVE),
         wheel=_wheels(vehicle, tape_circle, friction),
         rest=rest,
-        damper=np.array(lengths),
+        damper=np.array(states, np.float64),
     )
     for array in packed:
         array.flags.writeable = False
@@ -302,20 +322,49 @@ def _fill_bushing(row, bushing, sign, curves, loads):
         if table is not None:
             x, y = table.knots()
             row["spring_curve"][axis] = curves.index(side * x[::side], side * y[::side])
-    if bushing.carries_weight:
+    if bushing.carries_weight or bushing.preload > 0.0:
         row["preload"][2] = -next(loads)
 
 
-def _fill_link(row, link, curves, lengths):
+def _fill_link(row, link, curves, states):
     row["kind"] = Kind.LINK
     row["k"][0], row["c"][0] = link.stiffness, link.damping
     row["length"], row["series"] = link.length, link.series_stiffness
     if link.damper_table is not None:
         rate, force = link.damper_table.knots()
-        row["damper_curve"] = curves.index(force, rate) if link.series_stiffness else curves.index(rate, force)
+        row["damper_curve"] = curves.index(rate, force)
+        row["dry"] = link.series_stiffness > 0.0 and np.any(np.diff(force) == 0.0)
     if link.series_stiffness:
-        row["state"] = len(lengths)
-        lengths.append(link.length)
+        row["state"] = len(states)
+        states.append(link.length)
+
+
+def _fill_friction(row, place, vehicle, states):
+    friction = place.element
+    row["kind"] = Kind.DRY_LINK if friction.is_link else Kind.DRY
+    row["limit"], row["coefficient"], row["series"] = friction.limit, friction.coefficient, friction.series_stiffness
+    row["c"][0] = friction.damping_between(*(vehicle.bodies[i].mass for i in (place.lower, place.upper)))
+    row["state"] = len(states)
+    if friction.is_link:
+        row["length"] = friction.length
+        states.append(friction.length)
+    else:
+        row["k"] = [friction.series_stiffness * (axis in friction.directions) for axis in "xyz"]
+        states.extend(0.0 for _ in friction.directions)
+
+
+def _source(friction, places):
+    """Place in its joint of the bushing whose load a friction element feels: the copy on the same side, or the one."""
+    known = [k for k, place in enumerate(places) if place.element.name == friction.element.load_of]
+    known = [k for k in known if isinstance(places[k].element, Bushing)]
+    return next((k for k in known if places[k].sign == friction.sign), known[0])
+
+
+def _fill_leaf_spring(row, spring, curves, states):
+    row["kind"], row["decay"] = Kind.LEAF, spring.decay
+    row["spring_curve"][:2] = [curves.index(x, force) for x, force in spring.envelopes]
+    row["state"] = len(states)
+    states.extend((0.0, spring.middle))
 
 
 class _Curves:

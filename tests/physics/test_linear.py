@@ -33,7 +33,7 @@ def two_masses(wagon, masses, **element):
     body["mass"], body["inertia"] = masses, 1.0
     joint, record = np.zeros(1, JOINT), np.zeros(1, ELEMENT)
     joint["upper"], joint["count"] = 1, 1
-    record["spring_curve"], record["damper_curve"], record["state"] = -1, -1, -1
+    record["spring_curve"], record["damper_curve"], record["state"], record["source"] = -1, -1, -1, -1
     for key, value in element.items():
         record[key] = value
     system = scenes.replaced(scenes.floating(wagon), body=body, joint=joint, element=record)

@@ -20,7 +20,7 @@ def element(kind, rng, **values):
     row = np.zeros(1, ELEMENT)[0]
     row["kind"] = kind
     row["lower"], row["upper"] = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3)
-    row["spring_curve"], row["damper_curve"], row["state"] = -1, -1, -1
+    row["spring_curve"], row["damper_curve"], row["state"], row["source"] = -1, -1, -1, -1
     for key, value in values.items():
         row[key] = value
     return row
@@ -215,7 +215,7 @@ def test_damper_in_series_only_dissipates(wagon, law):
         system = pair(wagon, Axes.MEAN, [element(Kind.LINK, rng, **values)])
         if law == "table":
             curve = system.model.curve.copy()
-            curve[0]["x"][:4], curve[0]["y"][:4] = (-1e5, 0, 1e5, 2e5), (-2, 0, 1, 5)  # rate over force
+            curve[0]["x"][:4], curve[0]["y"][:4] = (-2, 0, 1, 5), (-1e5, 0, 1e5, 2e5)
             system = scenes.edited(scenes.replaced(system, curve=curve), "element", damper_curve=0)
         q, v = somewhere(rng), rng.uniform(-2, 2, (2, 6))
         force, moment, data = forces(system, q, v)
