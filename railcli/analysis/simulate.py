@@ -80,6 +80,8 @@ def simulate(scenario, system, sink, progress=None):
     -------
     Outcome
     """
+    if scenario.run.course is not None:
+        system = system.following(*scenario.run.course.knots())
     stride, interval = scenario.run.steps_per_output, scenario.run.output_interval
     total = max(1, round(scenario.duration / interval))
     data = settled_start(system, scenario.start.lateral)

@@ -46,7 +46,9 @@ class Stretch:
 
 
 def final_stretch(scenario):
-    """The Stretch in which the whole averaging window lies; None when the track changes there."""
+    """The Stretch in which the whole averaging window lies; None when the track or the speed changes there."""
+    if scenario.final_speed is None:
+        return None
     begin, end = scenario.distance - scenario.average_over, scenario.distance
     curvatures = set()
     for start, section in scenario.track.located():
@@ -83,7 +85,7 @@ def expected_forces(scenario, stretch):
     sine = stretch.cant / scenario.cant_base
     cosine = np.sqrt(1.0 - sine**2)
     level = np.cos(np.arctan(stretch.gradient))
-    gravity, centrifugal = scenario.run.gravity * level, stretch.curvature * scenario.run.speed**2 * level
+    gravity, centrifugal = scenario.run.gravity * level, stretch.curvature * scenario.final_speed**2 * level
     lateral = mass * (gravity * sine - centrifugal * cosine)
     return float(stretch.outwards * lateral), float(mass * (gravity * cosine + centrifugal * sine))
 
@@ -130,10 +132,12 @@ def peaks_to_peaks(system, stretch, window):
     return _arranged(system, stretch, 1.0, *values)
 
 
-def solved(system, stretch):
-    """The steady motion by Newton's method; None when none is found."""
+def solved(system, stretch, speed):
+    """The steady motion by Newton's method at a speed [m/s]; None when none is found, or the vehicle stands."""
+    if speed == 0.0:
+        return None
     try:
-        data = steady(system, stretch.curvature, stretch.cant, gradient=stretch.gradient, aside=stretch.aside).data
+        data = steady(system, stretch.curvature, stretch.cant, speed, gradient=stretch.gradient, aside=stretch.aside).data
     except SimulationError:
         return None
     return _arranged(system, stretch, stretch.outwards, data.q, data.rail["y"], data.rail["q"])

@@ -110,7 +110,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
             steady = (
                 steady_values.means(system, stretch, window),
                 steady_values.peaks_to_peaks(system, stretch, window),
-                steady_values.solved(system, stretch),
+                steady_values.solved(system, stretch, case.final_speed),
                 steady_values.expected_forces(case, stretch),
                 (float(window.mean("traction")), steady_values.weight_along(case, stretch)),
             )

@@ -69,7 +69,9 @@ PARAM = np.dtype(
         ("gravity", "f8"),  # [m/s^2]
         ("cant_base", "f8"),  # lateral distance over which cant is measured [m]
         ("speed", "f8"),  # speed asked of the first body along the track [m/s]
+        ("speed_curve", "i8"),  # likewise over time, index into curves; -1: constant
         ("hold", "f8"),  # force per speed error on the first body, along its track tangent [N s/m]
+        ("hold_rate", "f8"),  # at which that force grows while there is an error [1/s]
         ("creep_law", "i8"),  # Creep
         ("creep_speed", "f8"),  # creepages are divided by at least this speed [m/s]
         ("settled", "f8"),  # change of creepages within which a step takes creep forces as linear in them [-]
@@ -331,6 +333,7 @@ class Data(NamedTuple):
     dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
     damper: np.ndarray  # state: (n_state,) lengths of dampers with series stiffness, of friction; leaf springs [m, N]
     clock: np.ndarray  # state: (1,) time [s]
+    held: np.ndarray  # state: (1,) grown part of the force that holds the speed [N]
     q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
     v_start: np.ndarray  # derived: (n_body, 6)
     dv_start: np.ndarray  # derived: (n_body, 6) acceleration of the last step
@@ -386,6 +389,7 @@ DATA_TYPE = types.NamedTuple(
         mutable(np.float64, 2),
         mutable(np.float64),
         mutable(np.float64),
+        mutable(np.float64),
         mutable(np.float64, 2),
         mutable(np.float64, 2),
         mutable(np.float64, 2),
@@ -438,6 +442,7 @@ def new_data(model, q, n_damper):
         dv=np.zeros((n_body, 6)),
         damper=np.zeros(n_damper),
         clock=np.zeros(1),
+        held=np.zeros(1),
         q_start=np.zeros((n_body, 6)),
         v_start=np.zeros((n_body, 6)),
         dv_start=np.zeros((n_body, 6)),

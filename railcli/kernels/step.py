@@ -7,6 +7,7 @@ from numba import types
 from .block import block, raise_diagonal, solve
 from .body import drift, drift_on, frames, inertia_loads
 from .contact import describe_patch, slip, slip_wheelset, touch
+from .curve import read_curve
 from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
 from .suspension import suspension
@@ -19,10 +20,18 @@ SPIN_ARM = 0.5  # at which the spin of a wheelset counts as slip [m]
 
 
 @kernel
+def speed_lack(model, data):
+    """Speed asked for at this time less that of the first body along its track [m/s]."""
+    curve = model.param[0]["speed_curve"]
+    if curve >= 0:
+        return read_curve(model.curve[curve], data.clock[0])[0] - data.rate[0, 0]
+    return model.param[0]["speed"] - data.rate[0, 0]
+
+
+@kernel
 def hold_speed(model, data):
-    """Pull the first body along its track tangent with a force in proportion to its lack of speed; no side force."""
-    param = model.param[0]
-    force = param["hold"] * (param["speed"] - data.rate[0, 0])
+    """Pull the first body along its track tangent for its lack of speed (theory.md, 8.6); no side force."""
+    force = model.param[0]["hold"] * speed_lack(model, data) + data.held[0]
     data.traction[0] = force
     data.load[0, 0] += force
 
@@ -203,6 +212,7 @@ def step(model, data):
             return Status.NOT_FINITE.value
     for k in range(data.damper.size):
         data.damper[k] += h * data.damper_rate[k]
+    data.held[0] += h * model.param[0]["hold"] * model.param[0]["hold_rate"] * speed_lack(model, data)
     data.clock[0] += h
     return 0
 

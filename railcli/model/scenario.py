@@ -3,9 +3,13 @@
 import hashlib
 import json
 import math
+from itertools import pairwise
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, PrivateAttr, Strict, model_validator
+
+from railcli.kernels.layout import CURVE_KNOTS
 
 from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
 from .irregularity import Source
@@ -17,6 +21,7 @@ from .submodels import CREEP_LAWS, NORMAL_LAWS
 from .track import MARGIN, Track, gradient_course, pack
 from .vehicle import Vehicle
 
+FASTEST = 150.0  # [m/s]
 STEEPEST_INCLINATION = 5.0  # 1 in ...
 OF_ONE_LAW = {"adhesion_reduction": "polach", "slip_reduction": "polach", "fastsim_grid": "fastsim"}
 WIDEST = 0.06  # measured gauge from the nominal one [m]
@@ -33,10 +38,55 @@ def divides(step, interval):
     return count >= 1 and math.isclose(count * step, interval, rel_tol=1e-9)
 
 
+_Speed = Annotated[Real, Field(ge=0.0, le=FASTEST)]
+_Knots = Field(min_length=2, max_length=CURVE_KNOTS - 1)
+
+
+class SpeedCourse(Description):
+    """Speed asked for over time, straight between its knots and constant after the last: start, stop, stand."""
+
+    time: Annotated[tuple[NotNegative, ...], _Knots] = Field(alias="time_s")
+    speed: Annotated[tuple[_Speed, ...], _Knots] = Field(alias="speed_m_per_s")
+
+    @model_validator(mode="after")
+    def _is_a_course(self):
+        if len(self.time) != len(self.speed):
+            raise ValueError(f"time_s has {len(self.time)} values, speed_m_per_s has {len(self.speed)}")
+        if self.time[0] != 0.0 or any(later <= time for time, later in pairwise(self.time)):
+            raise ValueError("time_s must begin with 0 and increase from each value to the next")
+        if max(self.speed) == 0.0:
+            raise ValueError("speed_m_per_s is 0 throughout; a run moves at least once")
+        return self
+
+    def knots(self):
+        """Times [s] and speeds [m/s], the last one twice: what follows is constant."""
+        return np.array([*self.time, self.time[-1] + 1.0]), np.array([*self.speed, self.speed[-1]])
+
+    def travelled(self, time):
+        """Length travelled by a time [s], at the speed asked for [m]."""
+        times, speeds = self.knots()
+        inner = times[times < time]
+        at = np.append(inner, time)
+        return float(np.trapezoid(np.interp(at, times, speeds), at))
+
+    def arrival(self, distance):
+        """Time at which a length [m] has been travelled [s]; infinite when the vehicle stands before that."""
+        times, speeds = self.knots()
+        lengths = np.array([self.travelled(time) for time in times])
+        k = int(np.searchsorted(lengths, distance)) - 1
+        if k < 0:
+            return 0.0
+        k = min(k, times.size - 2)
+        rest, speed, rise = distance - lengths[k], speeds[k], (speeds[k + 1] - speeds[k]) / (times[k + 1] - times[k])
+        root = math.sqrt(max(speed * speed + 2.0 * rise * rest, 0.0))
+        return float(times[k] + 2.0 * rest / (speed + root)) if speed + root > 0.0 else math.inf
+
+
 class Run(Description):
     """Speed, length and time steps of a run."""
 
-    speed: Annotated[Positive, Field(le=150.0)] = Field(alias="speed_m_per_s")
+    speed: Annotated[Positive, Field(le=FASTEST)] = Field(alias="speed_m_per_s")
+    course: SpeedCourse | None = Field(None, alias="speed_course")  # its largest speed is then `speed`
     distance: Positive | None = Field(None, alias="distance_m")
     duration: Positive | None = Field(None, alias="duration_s")
     step: Annotated[Real, Field(ge=1e-6, le=LONGEST_STEP)] | None = Field(None, alias="step_s")  # None: chosen
@@ -44,8 +94,23 @@ class Run(Description):
     average_over: Positive = Field(100.0, alias="average_over_m")
     gravity: Annotated[Positive, Field(le=100.0)] = Field(9.81, alias="gravity_m_per_s2")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _speed_of_course(cls, values):
+        if isinstance(values, dict) and not {"speed", "speed_m_per_s"} & set(values):
+            given = values.get("speed_course", values.get("course"))
+            if given is not None:
+                given = SpeedCourse.model_validate(given)
+                values = {**values, "speed_m_per_s": max(given.speed)}
+        return values
+
     @model_validator(mode="after")
     def _fits_together(self):
+        if self.course is not None and self.speed != max(self.course.speed):
+            raise ValueError(
+                f"speed must be the largest of speed_course, {max(self.course.speed):g} m/s, or be left out, "
+                f"got {self.speed:g} m/s"
+            )
         if self.distance is not None and self.duration is not None:
             raise ValueError("give either distance_m or duration_s, not both")
         if self.step is not None and not divides(self.step, self.output_interval):
@@ -159,6 +224,11 @@ class Scenario(Description):
 
     @model_validator(mode="after")
     def _fits_together(self):
+        if not math.isfinite(self.duration):
+            raise ValueError(
+                f"run.distance_m: must be at most the {self.run.course.travelled(self.run.course.time[-1]):g} m after "
+                f"which speed_course stands, got {self.distance:g} m"
+            )
         if self.distance > self.track.length * (1.0 + 1e-9):
             raise ValueError(
                 f"track shorter than the run: {self.track.length:g} m of track, {self.distance:g} m to run; "
@@ -207,14 +277,32 @@ class Scenario(Description):
     @property
     def distance(self):
         """Length of the run [m]."""
-        if self.run.duration is not None:
-            return self.run.duration * self.run.speed
-        return self.run.distance if self.run.distance is not None else self.track.length
+        run = self.run
+        if run.distance is not None:
+            return run.distance
+        if run.course is not None:
+            return run.course.travelled(self.duration)
+        return run.duration * run.speed if run.duration is not None else self.track.length
 
     @property
     def duration(self):
-        """Time of the run at the speed asked for [s]."""
-        return self.distance / self.run.speed
+        """Time of the run at the speed asked for [s]; a course of speed without length or time ends with its knots."""
+        run = self.run
+        if run.duration is not None:
+            return run.duration
+        if run.course is None:
+            return self.distance / run.speed
+        return run.course.time[-1] if run.distance is None else run.course.arrival(run.distance)
+
+    @property
+    def final_speed(self):
+        """Speed asked for while the run's last metres are averaged [m/s]; None when it changes there."""
+        if self.run.course is None:
+            return self.run.speed
+        times, speeds = self.run.course.knots()
+        begin = self.run.course.arrival(self.distance - self.average_over)
+        there = np.interp([begin, *times[(times > begin) & (times < self.duration)], self.duration], times, speeds)
+        return float(there[0]) if np.ptp(there) == 0.0 else None
 
     def pieces(self):
         """The track packed for the compiled core."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
-from railcli.kernels.layout import PARAM, Creep, Model, freeze, new_data
+from railcli.kernels.layout import CURVE, PARAM, Creep, Model, freeze, new_data
 
 from . import rails as rails_model
 from . import vehicle as vehicle_model
@@ -15,6 +15,7 @@ from .contact_table import LIMITS, TableSettings
 from .submodels import CREEP_LAWS, choose
 
 HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
+HOLD_RATE = 1.0  # at which that force grows while the error lasts [1/s]
 HOLD_SHARE = 0.5  # of the body's mass over the step: the holding force acts explicitly and must not overshoot
 DRAFT_STEP = 0.5e-3  # of a system whose scenario leaves the step to be chosen (analysis/step_choice.py) [s]
 CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
@@ -62,6 +63,16 @@ class System:
         if param[0]["hold"] > 0.0:
             param["hold"] = hold_gain(self.model.body[0]["mass"], step)
         return replace(self, model=freeze(self.model._replace(param=param)))
+
+    def following(self, times, speeds):
+        """The same system, asked for speeds [m/s] at times [s], straight between them; it starts with the first."""
+        row = np.zeros(1, CURVE)
+        row["count"] = len(times)
+        row["x"][0, : len(times)], row["y"][0, : len(times)] = times, speeds
+        param = self.model.param.copy()
+        param["speed_curve"] = self.model.curve.size
+        model = self.model._replace(param=param, curve=np.concatenate([self.model.curve, row]))
+        return replace(self, model=freeze(model), speed=float(speeds[0]))
 
     @property
     def mean_radii(self):
@@ -142,7 +153,7 @@ def parameters(scenario):
     param["step"] = step = DRAFT_STEP if scenario.run.step is None else scenario.run.step
     param["gravity"] = scenario.run.gravity
     param["cant_base"] = scenario.cant_base
-    param["speed"] = scenario.run.speed
+    param["speed"], param["speed_curve"], param["hold_rate"] = scenario.run.speed, -1, HOLD_RATE
     param["hold"] = hold_gain(scenario.vehicle.bodies[0].mass, step)
     param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
     param["creep_speed"] = CREEP_SPEED
