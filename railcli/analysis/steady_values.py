@@ -137,7 +137,8 @@ def solved(system, stretch, speed):
     if speed == 0.0:
         return None
     try:
-        data = steady(system, stretch.curvature, stretch.cant, speed, gradient=stretch.gradient, aside=stretch.aside).data
+        place = stretch.curvature, stretch.cant, speed
+        data = steady(system, *place, gradient=stretch.gradient, aside=stretch.aside).data
     except SimulationError:
         return None
     return _arranged(system, stretch, stretch.outwards, data.q, data.rail["y"], data.rail["q"])

@@ -332,6 +332,7 @@ class Data(NamedTuple):
     v: np.ndarray  # state: (n_body, 6) velocity in track axes [m/s], angular velocity in its own axes [rad/s]
     dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
     damper: np.ndarray  # state: (n_state,) lengths of dampers with series stiffness, of friction; leaf springs [m, N]
+    lag: np.ndarray  # state: (n_wheel, MAX_CONTACT, 4) creepages of slow patches [-], place [m], 1: is one
     clock: np.ndarray  # state: (1,) time [s]
     held: np.ndarray  # state: (1,) grown part of the force that holds the speed [N]
     q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
@@ -388,6 +389,7 @@ DATA_TYPE = types.NamedTuple(
         mutable(np.float64, 2),
         mutable(np.float64, 2),
         mutable(np.float64),
+        mutable(np.float64, 3),
         mutable(np.float64),
         mutable(np.float64),
         mutable(np.float64, 2),
@@ -441,6 +443,7 @@ def new_data(model, q, n_damper):
         v=np.zeros((n_body, 6)),
         dv=np.zeros((n_body, 6)),
         damper=np.zeros(n_damper),
+        lag=np.zeros((n_wheel, MAX_CONTACT, 4)),
         clock=np.zeros(1),
         held=np.zeros(1),
         q_start=np.zeros((n_body, 6)),

@@ -37,7 +37,7 @@ def repeat(model, data, stage, times):
         elif stage == Stage.CONTACT:
             status = touch(model, data)
         elif stage == Stage.CREEP:
-            slip(model, data)
+            slip(model, data, step)
         elif stage == Stage.INTEGRATION:
             drift(model, data)
             inertia_loads(model, data)

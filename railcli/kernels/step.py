@@ -6,7 +6,7 @@ from numba import types
 
 from .block import block, raise_diagonal, solve
 from .body import drift, drift_on, frames, inertia_loads
-from .contact import describe_patch, slip, slip_wheelset, touch
+from .contact import describe_patch, remember, slip, slip_wheelset, touch
 from .curve import read_curve
 from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
@@ -37,8 +37,11 @@ def hold_speed(model, data):
 
 
 @kernel
-def loads(model, data, half_step):
-    """Everything from q, v and the dampers to data.load = M dv/dt. Returns a status; half_step as `suspension`."""
+def loads(model, data, half_step, step):
+    """Everything from q, v and the dampers to data.load = M dv/dt. Returns a status.
+
+    half_step : as `suspension`.  step : as `slip`.
+    """
     status = frames(model, data)
     if status != 0:
         return status
@@ -49,7 +52,7 @@ def loads(model, data, half_step):
     status = touch(model, data)
     if status != 0:
         return status
-    slip(model, data)
+    slip(model, data, step)
     hold_speed(model, data)
     return 0
 
@@ -149,7 +152,7 @@ def settle(model, data, i, reach, size, move, turn):
         for a in range(3):
             v[i, a], v[i, 3 + a] = at[a], at_turn[a]
             load[i, a], load[i, 3 + a] = rest[0][a], rest[1][a]
-        slip_wheelset(model, data, first)
+        slip_wheelset(model, data, first, reach / THETA)
         u = add(before[0], scale(per_reach, sub(at, start[0])))
         w = add(before[1], scale(per_reach, sub(at_turn, start[1])))
         force, moment, left = excess(model, data, i, u, w)
@@ -195,10 +198,11 @@ def step(model, data):
             data.dv_start[i, k] = data.dv[i, k]
             data.q[i, k] += half * data.rate[i, k]
             data.v[i, k] += half * data.dv[i, k]
-    status = loads(model, data, half)
+    status = loads(model, data, half, h)
     if status != 0:
         return status
     accelerate(model, data, THETA * h)
+    remember(model, data)
     for i in range(n):
         for k in range(6):
             data.v[i, k] = data.v_start[i, k] + half * data.dv[i, k]
@@ -236,7 +240,7 @@ def advance(model, data, n_steps):
 @entry(types.int64(MODEL_TYPE, DATA_TYPE, types.float64))
 def evaluate(model, data, half_step):
     """Loads and accelerations at data.q and data.v, nothing moved; half_step as `loads`. Returns a Status."""
-    status = loads(model, data, half_step)
+    status = loads(model, data, half_step, 0.0)
     accelerate(model, data, 0.0)
     return status
 
