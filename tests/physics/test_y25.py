@@ -32,7 +32,7 @@ def ran(system, duration):
 @CASES
 def test_it_weighs_what_its_name_says(table, case):
     """At rest all wheels carry the same, and every pusher may rub with 0.109 of what its axle box carries."""
-    system = scenes.wagon(table, f"y25-{case}-curve-400")
+    system = scenes.wagon(table, f"y25-{case}-curve-400", run={"step": STEP})
     rest = static(system).data
     assert_allclose(rest.rail["q"], MASS[case] * 9.81 / 8.0, atol=tol.WEIGHT)
     nests = (MASS[case] - 4 * 1400.0) * 9.81 / 8.0
@@ -62,7 +62,7 @@ def curved(table):
         if case not in done:
             name = f"y25-{case}-curve-400"
             scenario = load(name)
-            done[case] = scenario, ran(scenes.wagon(table, name), scenario.duration)
+            done[case] = scenario, ran(scenes.wagon(table, name, run={"step": STEP}), scenario.duration)
         return done[case]
 
     return run
@@ -77,7 +77,7 @@ def test_it_remembers_its_curve(table):
     straight, transition, curve = load(name).track.sections
     sections = straight, transition, curve.model_copy(update={"length": 60.0}), transition, Straight(length=150.0)
     scenario = load(name).varied(track=Track(sections))
-    system = scenes.wagon(table, name)
+    system = scenes.wagon(table, name, run={"step": STEP})
     system = scenes.replaced(system, track=scenario.pieces())
     rows = ran(system, 18.0)
     q = rows.rail["q"][rows.q[:, 0, 0] > 350.0].mean(axis=0)
@@ -90,6 +90,6 @@ def test_it_remembers_its_curve(table):
 @CASES
 def test_modes_are_those_of_sticking_friction(table, case):
     """No eigenvalue of a place that only stays: one motion is free, the running speed."""
-    found = modes(linearise(scenes.wagon(table, f"y25-{case}-curve-400")))
+    found = modes(linearise(scenes.wagon(table, f"y25-{case}-curve-400", run={"step": STEP})))
     assert found.free == 1
     assert found.value.real.max() < 0.0
