@@ -176,3 +176,19 @@ def test_energy_only_falls_whatever_the_dampers(wagon):
             assert advance(system.model, data, 1) == 0
             energy.append(0.5 * np.sum(data.v**2))
         assert (np.diff(energy[2:]) < 1e-9).all()
+
+
+@pytest.mark.parametrize("step", [0.2e-3, 1e-3])
+def test_a_brake_stops_a_spinning_wheelset_and_holds_it(wagon, step):
+    """Its spin falls by F t / I against a heavy frame, then the wheelset does not turn at all."""
+    row = element(Kind.TORQUE, np.random.default_rng(0), lower=(0.0, 1.0, 0.0), limit=50.0)
+    system = scenes.edited(pair(wagon, Axes.UPPER, [row], spins=(1, 0)), "body", inertia=[[3.0] * 3, [1e9] * 3])
+    system = marked(system, step)
+    data = moving(system, [[0, 0, 0, 0, -40.0, 0], [0.0] * 6])
+    scenes.run(system, data, 1.2)
+    assert data.v[0, 4] == pytest.approx(-40.0 + 50.0 / 3.0 * 1.2, abs=1e-6)
+    scenes.run(system, data, 1.4)
+    angle = data.q[0, 4]
+    scenes.run(system, data, 2.0)
+    assert abs(data.v[0, 4] - data.v[1, 4]) < 1e-12
+    assert data.q[0, 4] - angle == pytest.approx(2.0 * data.v[1, 4], abs=1e-9)  # an angle of 34 rad over 1e4 steps
