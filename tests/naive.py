@@ -279,31 +279,64 @@ def curve_energy(curve, x):
     return np.sign(x) * np.sum(middle * np.diff(points))
 
 
+def series_energy(element, length, x):
+    """Of a spring whose far end stands at x, and of the one that may stand beside its damper."""
+    return 0.5 * element["series"] * (length - x) ** 2 + 0.5 * element["reservoir"] * x**2
+
+
+def turn_energy(turn, lower, upper, spins):
+    """Of rotational stiffness: twice the sine of half the angle ; on a wheelset the slope of its axle."""
+    if not any(spins):
+        relative = Rotation.from_matrix(lower.T @ upper)
+        return 0.5 * np.sum(turn * (2 * relative.as_quat()[:3]) ** 2)
+    wheelset, other = (lower, upper) if spins[0] else (upper, lower)
+    along, _, down = other.T @ wheelset[:, 1]
+    return 0.5 * (turn[2] * along**2 + turn[0] * down**2)
+
+
 def joint_energy(model, j, lower, upper, damper):
     """Energy of joint j; lower, upper : (position, axes) of its bodies.
 
     Bushings stretch along the axes of the upper body or along those halfway between the bodies (half the rotation
-    vector); the rotational stiffness counts twice the sine of half the angle.
+    vector); rotations count as twice the vector of their quaternion.
     """
     joint = model.joint[j]
     relative = Rotation.from_matrix(lower[1].T @ upper[1])
     half = Rotation.from_rotvec(relative.as_rotvec() / 2).as_matrix()
     frame = lower[1] @ half if joint["axes"] == 0 else upper[1]
-    energy = 0.5 * np.sum(joint["turn"] * (2 * relative.as_quat()[:3]) ** 2)
+    spins = [model.body[joint[end]]["spins"] for end in ("lower", "upper")]
+    turned = 2 * relative.as_quat()[:3]
+    energy = turn_energy(joint["turn"], lower[1], upper[1], spins)
     for element in model.element[joint["first"] : joint["first"] + joint["count"]]:
-        gap = upper[0] + upper[1] @ element["upper"] - lower[0] - lower[1] @ element["lower"]
-        if element["kind"] == 0:
-            d = frame.T @ gap
-            energy += np.sum(0.5 * element["k"] * d**2 - element["preload"] * d)
-            curves = zip(element["spring_curve"], d, strict=True)
-            energy += sum(curve_energy(model.curve[i], x) for i, x in curves if i >= 0)
+        kind = Kind(element["kind"])
+        if kind == Kind.TORQUE:
+            if not any(spins):
+                angle = element["lower"] @ turned
+                energy += 0.5 * element["k"][0] * angle**2
+                if element["spring_curve"][0] >= 0:
+                    energy += curve_energy(model.curve[element["spring_curve"][0]], angle)
             continue
-        stretch = np.linalg.norm(gap) - element["length"]
-        energy += 0.5 * element["k"][0] * stretch**2 + element["preload"][0] * stretch
-        if element["spring_curve"][0] >= 0:
-            energy += curve_energy(model.curve[element["spring_curve"][0]], stretch)
-        if element["state"] >= 0:
-            energy += 0.5 * element["series"] * (np.linalg.norm(gap) - damper[element["state"]]) ** 2
+        gap = upper[0] + upper[1] @ element["upper"] - lower[0] - lower[1] @ element["lower"]
+        if kind == Kind.LINK:
+            stretch = np.linalg.norm(gap) - element["length"]
+            energy += 0.5 * element["k"][0] * stretch**2 + element["preload"][0] * stretch
+            if element["spring_curve"][0] >= 0:
+                energy += curve_energy(model.curve[element["spring_curve"][0]], stretch)
+            if element["state"] >= 0:
+                energy += series_energy(element, np.linalg.norm(gap), damper[element["state"]])
+            continue
+        d = frame.T @ gap
+        energy -= element["preload"] @ d
+        if kind == Kind.MATRIX:
+            x = np.concatenate([d, turned])
+            energy += 0.5 * x @ model.matrix[element["matrix"]][:6] @ x
+            continue
+        assert kind in (Kind.BUSHING, Kind.AIR)
+        energy += np.sum(0.5 * element["k"] * d**2)
+        curves = zip(element["spring_curve"], d, strict=True)
+        energy += sum(curve_energy(model.curve[i], x) for i, x in curves if i >= 0)
+        if kind == Kind.AIR:
+            energy += series_energy(element, d[2], damper[element["state"]])
     return energy
 
 

@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+import naive
 import numpy as np
 
+from benchmarks.speed import numpy_twin
 from railcli.analysis.build_table import build_table
 from railcli.files.scenario import load
 from railcli.kernels.layout import BODY, ELEMENT, JOINT, SHIFT_CHANNELS, WHEEL, freeze, new_data
@@ -199,3 +201,21 @@ def lone_wheelset(table, speed, step=0.5e-3, mass=2000.0, inertia=(1000.0, 100.0
         contact=Contact(flange_back=settings.flange_back, **contact),
     )
     return assemble(scenario, [table])
+
+
+def energy(system, data):
+    """Of motion, weight, springs and, while each wheel has one patch, the elastic half-spaces: 2/5 N d."""
+    model, body = system.model, system.model.body
+    at = numpy_twin.kinematics(model, data.q, data.v)
+    total = 0.5 * np.sum(body["mass"][:, None] * at.velocity**2)
+    total += 0.5 * np.sum(body["inertia"] * data.v[:, 3:] ** 2)
+    total -= model.param["gravity"][0] * np.sum(body["mass"] * at.position[:, 2])
+    for j, joint in enumerate(model.joint):
+        ends = ((at.position[i], at.axes[i]) for i in (joint["lower"], joint["upper"]))
+        total += naive.joint_energy(model, j, *ends, data.damper)
+    if model.wheel.size:
+        patches = numpy_twin.contact(model, at, data.q, data.v)
+        assert (np.count_nonzero(patches.normal, axis=1) <= 1).all()
+        cosine = np.where(patches.normal > 0.0, -patches.force[..., 2] / np.maximum(patches.normal, 1.0), 0.0)
+        total += 0.4 * np.sum(patches.normal * patches.depth * cosine)
+    return total

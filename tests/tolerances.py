@@ -83,6 +83,12 @@ BENT_RAIL_POWER = 1e-3  # N keeps to the plane of the axle where the rail bends 
 TWIN = 1e-9  # demanded of the NumPy twin; measured 3e-12 (rounding in stretches of stiff springs)
 ENERGY_SLOPE = 1e-9  # relative: central differences over 2e-5, rounding and third derivatives 1e-10; measured 9e-11
 RELAXATION = 1.2e-3  # of exp(-2): implicit midpoint at h k / c = 0.1 errs by 2 (0.1)^2 / 12 of it
+IMPLICIT = 1e-5  # of the largest tension on unit masses: turns end where they change tensions by 1e-6
+DRAWBAR = 5e-3  # creep under traction: the wheel turns by as much more than it rolls
+STIFF_DAMPER_BALANCE = 2e-4  # sum Q at the end of a curve against Newton's: what is left of the entry
+STIFF_BALANCE = 1e-6  # wheel loads against the weight: accelerations of 1e-6 m/s^2 are left
+CREEP_POWER_BALANCE = 1e-3  # wheelsets rolling a steady curve: the speed of the car body is that along its own path
+AXLE_BOX_ENERGY = 2e-2  # of the energy that swings: squares of h omega, 0.25 on the bearing
 # Free bodies, relative, over 240 m at 40 m/s in steps of 0.25 ms; the kinks of a linear cant ramp cost first order
 FREE_MOMENTUM = 3e-6  # measured 1.0e-6
 FREE_ANGULAR = 2e-4  # about a point 240 m away; measured 6e-5

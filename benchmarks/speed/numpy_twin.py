@@ -190,6 +190,8 @@ def relative_rotation(lower, upper):
 def suspension(model, bodies, damper, half_step):
     """Forces (n, 3) and moments about the centres (n, 3) of all joints, ground axes, and the rates of the dampers."""
     joint, element = model.joint, model.element
+    if not np.isin(element["kind"], (Kind.BUSHING, Kind.LINK)).all() or (element["stiff"] >= 0).any():
+        raise ValueError("this twin knows bushings and links whose dampers act at their present rate")
     force, moment = np.zeros_like(bodies.position), np.zeros_like(bodies.position)
     rates = np.zeros(damper.size)
     if joint.size == 0:
@@ -212,6 +214,8 @@ def suspension(model, bodies, damper, half_step):
     omega = (bodies.omega_frame[joint["lower"]] + turn(share, relative))[of]
     d, rate = turn_back(frame[of], gap), turn_back(frame[of], gap_rate - np.cross(omega, gap))
     curves = np.stack([read_curves(model, element["spring_curve"][:, k], d[:, k])[0] for k in range(3)], axis=1)
+    own = np.where((element["kind"] == Kind.BUSHING)[:, None], element["damper_curve"], -1)
+    curves += np.stack([read_curves(model, own[:, k], rate[:, k])[0] for k in range(3)], axis=1)
     bushing = turn(frame[of], element["preload"] - element["k"] * d - element["c"] * rate - curves)
 
     length = np.linalg.norm(gap, axis=1)
@@ -219,13 +223,13 @@ def suspension(model, bodies, damper, half_step):
     stretch = length - element["length"]
     tension = element["preload"][:, 0] + element["k"][:, 0] * stretch
     tension += read_curves(model, np.where(element["kind"] == Kind.LINK, element["spring_curve"][:, 0], -1), stretch)[0]
-    table, series = element["damper_curve"] >= 0, element["state"] >= 0
+    table, series = element["damper_curve"][:, 0] >= 0, element["state"] >= 0
     closing = np.sum(unit * gap_rate, axis=1)
-    rigid = np.where(table, read_curves(model, element["damper_curve"], closing)[0], element["c"][:, 0] * closing)
+    rigid = np.where(table, read_curves(model, element["damper_curve"][:, 0], closing)[0], element["c"][:, 0] * closing)
     trial = np.where(series, element["series"] * (length - damper[element["state"]] if damper.size else 0.0), 0.0)
     weight = half_step * element["series"]
     linear = trial / np.where(element["c"][:, 0] + weight > 0.0, element["c"][:, 0] + weight, 1.0)
-    speed = np.where(table, solve_curves(model, element["damper_curve"], weight, trial), linear)
+    speed = np.where(table, solve_curves(model, element["damper_curve"][:, 0], weight, trial), linear)
     tension += np.where(series, trial - half_step * speed * element["series"], rigid)
     rates[element["state"][series]] = speed[series]
 
@@ -238,6 +242,8 @@ def suspension(model, bodies, damper, half_step):
     np.add.at(moment, upper, np.cross(arm_u, on_upper) + to_upper)
     np.add.at(moment, lower, couple - to_upper - np.cross(arm_l, on_upper))
 
+    if (joint["turn"][model.body["spins"][joint["lower"]] + model.body["spins"][joint["upper"]] > 0] != 0.0).any():
+        raise ValueError("this twin knows no rotational stiffness on a wheelset")
     stiff = 2.0 * joint["turn"] * vector
     stiff = turn(lower_axes, scalar[:, None] * stiff + np.cross(vector, stiff))
     np.add.at(moment, joint["upper"], -stiff)

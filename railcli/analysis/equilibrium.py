@@ -13,7 +13,7 @@ import numpy as np
 from railcli.errors import SimulationError
 from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
-from railcli.kernels.layout import MAX_CONTACT, NO_SHIFT, NODE_CHANNELS, SAMPLE_ROWS, Node, freeze
+from railcli.kernels.layout import MAX_CONTACT, NO_SHIFT, NODE_CHANNELS, SAMPLE_ROWS, Kind, Node, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.rails import constant as constant_rails
 from railcli.model.sections import Gradient, Straight, Transition
@@ -21,7 +21,8 @@ from railcli.model.track import Track, constant_track, pack
 
 SETTLED = 1e9  # half step for which dampers with series stiffness and dry friction carry no force [s]
 PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
-TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]
+TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]; `_Steady.rounding` adds to it
+PLACE_ROUNDING = 8.0 * np.finfo(float).eps  # of a sum of some coordinates, by the largest of them
 ITERATIONS = 60
 SETTLING = 12.0  # time in the curve after which a run serves as a first guess [s]
 RUN_IN = 60.0  # lengths of straight and of transition before it [m]
@@ -38,7 +39,7 @@ class Equilibrium:
     data : Data
         The core's data there, forces included.
     residual : float
-        Largest acceleration left [m/s^2, rad/s^2].
+        Largest acceleration left, by the rounding of stiff elements [m/s^2, rad/s^2].
     iterations : int
     """
 
@@ -68,6 +69,7 @@ class _Steady:
         self.free[[6 * i + 1 for i in self.held]] = False
         self.coordinate = coordinate
         self.spins = spins
+        self.tolerance = TOLERANCE + rounding(model, self.rest).ravel()[self.free]
         self.moving = speed > 0.0
         rate = np.zeros(n) if not self.moving else np.where(spins, 1.0, 0.0)
         self.n_q = int(coordinate.sum())
@@ -133,6 +135,36 @@ class _Steady:
             return None, status
         return self.data.dv.ravel()[self.free], 0
 
+    def size_of(self, accelerations):
+        """Largest acceleration; those of stiff elements on light bodies count less, by their rounding."""
+        return TOLERANCE * np.abs(accelerations / self.tolerance).max()
+
+
+def rounding(model, rest):
+    """Accelerations (n_body, 6) that rounding of places makes in the elements of each body [m/s^2, rad/s^2].
+
+    The ends of an element are known to some rounding of the vehicle's length, and its force to its stiffness times
+    that: for stiff elements on light bodies more than TOLERANCE.
+    """
+    found = np.zeros((model.body.size, 6))
+    blurred = PLACE_ROUNDING * max(np.abs(rest).max(), 1.0)
+    for joint in model.joint:
+        for row in model.element[joint["first"] : joint["first"] + joint["count"]]:
+            stiffness = row["k"].max() + row["series"]
+            if row["matrix"] >= 0:
+                stiffness += np.abs(model.matrix[row["matrix"], :6]).max()
+            for curve in model.curve[row["spring_curve"][row["spring_curve"] >= 0]]:
+                n = curve["count"]
+                stiffness += (np.diff(curve["y"][:n]) / np.diff(curve["x"][:n])).max()
+            for end in ("lower", "upper"):
+                found[joint[end], :3] += stiffness * blurred
+                found[joint[end], 3:] += stiffness * blurred * max(np.abs(row[end]).max(), 0.1)
+        for end in ("lower", "upper"):
+            found[joint[end], 3:] += PLACE_ROUNDING * joint["turn"].max()
+    found[:, :3] /= model.body["mass"][:, None]
+    found[:, 3:] /= model.body["inertia"]
+    return found
+
 
 def sides_differ(model, right):
     """True when the right wheel of this index and the left one beside it differ in radius or contact table."""
@@ -158,12 +190,15 @@ def touching_depth(model, index=0):
 
 
 def _newton(motion, x, turning):
-    """Damped Newton; the least-norm step leaves free what no force decides. Returns x, residual, iterations."""
+    """Damped Newton; the least-norm step leaves free what no force decides. Returns x, residual, iterations.
+
+    The residual is the largest acceleration over its tolerance, times TOLERANCE.
+    """
     r, status = motion.accelerations(x, turning)
     if r is None:
         return x, np.inf, 0
     for iteration in range(1, ITERATIONS + 1):
-        size = np.abs(r).max()
+        size = motion.size_of(r)
         if size < TOLERANCE:
             return x, size, iteration - 1
         jacobian = np.empty((r.size, x.size))
@@ -184,7 +219,7 @@ def _newton(motion, x, turning):
         else:
             return x, size, iteration
         x, r = x + share * move, after
-    return x, np.abs(r).max(), ITERATIONS
+    return x, motion.size_of(r), ITERATIONS
 
 
 def _finish(motion, x, turning, residual, iterations):
@@ -198,7 +233,7 @@ def static(system):
     """The vehicle at rest on straight level track.
 
     Wheelsets whose sides differ stand centred: friction keeps them there, and forces that would move them are not
-    looked at.
+    looked at. Constant torques are off.
 
     Returns
     -------
@@ -209,10 +244,11 @@ def static(system):
     SimulationError
         No equilibrium was found.
     """
-    param = system.model.param.copy()
+    param, element = system.model.param.copy(), system.model.element.copy()
     param["speed"] = 0.0
+    element["preload"][element["kind"] == Kind.TORQUE] = 0.0
     track = pack(constant_track(0.0, 0.0))
-    model = freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT))
+    model = freeze(system.model._replace(param=param, track=track, shift=NO_SHIFT, element=element))
     wheels = model.wheel
     held = {wheels[i]["body"]: 0.0 for i in range(0, wheels.size, 2) if sides_differ(model, i)}
     motion = _Steady(system, model, 0.0, 0.0, held)

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from railcli.kernels.layout import Kind
+
 PLANES = {"vertical": (0, 2, 4), "lateral": (1, 3, 5)}  # coordinates that a vehicle with like sides keeps apart
 WORDS = ("surge", "lateral", "bounce", "roll", "pitch", "yaw")
-GROUPS = ("car body", "bogie", "wheelset")
+GROUPS = ("car body", "bogie", "hung part", "wheelset")
 MIXED = 0.05  # share of the lesser plane from which a mode belongs to neither
 ROLLING = 0.35  # slip of a rolling wheelset, 0 none ... 1, up to which its motion is kinematic
 INVOLVED = 0.25  # share of the kinetic energy from which a group is named
@@ -36,15 +38,23 @@ class Shape:
 
 
 def groups(model):
-    """Group of each body: wheelsets spin, car bodies stand on others and carry none, bogies are what is between."""
-    lower, upper = set(model.joint["lower"].tolist()), set(model.joint["upper"].tolist())
+    """Group of each body: wheelsets spin, car bodies stand on others and carry none, bogies are what is between.
+
+    What stands on none, such as a motor on its frame, is a hung part. Torques carry nothing.
+    """
+    joints = [j for j in model.joint if (_kinds(model, j) != Kind.TORQUE).any() or j["turn"].any()]
+    lower, upper = ({int(j[end]) for j in joints} for end in ("lower", "upper"))
     named = []
     for i, body in enumerate(model.body):
         if body["spins"]:
             named.append("wheelset")
         else:
-            named.append("bogie" if i in lower and i in upper else "car body")
+            named.append(("bogie" if i in lower else "car body") if i in upper or i not in lower else "hung part")
     return np.array(named)
+
+
+def _kinds(model, joint):
+    return model.element["kind"][joint["first"] : joint["first"] + joint["count"]]
 
 
 def kinetic_shares(model, q):
@@ -61,8 +71,8 @@ def families(model):
     bogies = np.flatnonzero(of == "bogie").tolist()
     axles = [[int(j["lower"]) for j in model.joint if j["upper"] == i and of[j["lower"]] == "wheelset"] for i in bogies]
     wheelsets = axles if bogies else [[int(i)] for i in np.flatnonzero(of == "wheelset")]
-    return {"car body": [[int(i)] for i in np.flatnonzero(of == "car body")], "bogie": [[i] for i in bogies],
-            "wheelset": [list(dict.fromkeys(one)) for one in wheelsets]}  # fmt: skip
+    alone = {name: [[int(i)] for i in np.flatnonzero(of == name)] for name in ("car body", "hung part")}
+    return {**alone, "bogie": [[i] for i in bogies], "wheelset": [list(dict.fromkeys(one)) for one in wheelsets]}
 
 
 def describe(modes, k):

@@ -21,8 +21,8 @@ MARGIN = 1.2  # of the stable over the allowed step: loads of three times the st
 CEILING = 2.4e-3  # a longer step is not looked for [s]
 FLOOR = 1e-7  # nor a shorter one [s]
 ACCURACY = 1.01  # ratio within which a limit is found
-STATE = {"q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7}  # arrays of the state, difference steps
-SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0}  # of each in one mode, so that eigenvectors are well scaled
+STATE = {"q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7, "tension": 1.0}  # arrays of the state, difference steps
+SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0, "tension": 1e7}  # of each in one mode: well-scaled eigenvectors
 ROUNDING = 1e-4  # by which differences may lift the magnitude of an eigenvalue over 1
 GROWTH = 50.0  # fastest growth of an oscillation that belongs to the vehicle and not to the step [1/s]
 PLACES = 0.1e-3  # between two lateral places of a wheelset [m]
@@ -82,28 +82,33 @@ def step_limit(system, speeds=()):
 
 
 def stiffest(system):
-    """The system on ideal straight level track, with a line of its steepest slope for each table of an element.
-
-    A damper's table in series with a stiffness gives rate over force: the stiffest is the least slope.
-    """
+    """The system on ideal straight level track, with a line of its steepest slope for each table of an element."""
     element, rows = system.model.element.copy(), [system.model.curve]
 
-    def line(number, slope):
+    def line(number):
         if number < 0:
             return number
         curve = system.model.curve[number]
         x, y = curve["x"][: curve["count"]], curve["y"][: curve["count"]]
         row = np.zeros(1, curve.dtype)
-        row["count"], row["x"][0, 1], row["y"][0, 1] = 2, 1.0, slope(np.diff(y) / np.diff(x))
+        row["count"], row["x"][0, 1], row["y"][0, 1] = 2, 1.0, (np.diff(y) / np.diff(x)).max()
         rows.append(row)
         return sum(map(len, rows)) - 1
 
     for one in element:
         for axis in range(3):
-            one["spring_curve"][axis] = line(one["spring_curve"][axis], np.max)
-        one["damper_curve"] = line(one["damper_curve"], np.min if one["state"] >= 0 else np.max)
+            one["spring_curve"][axis] = line(one["spring_curve"][axis])
+            one["damper_curve"][axis] = line(one["damper_curve"][axis])
     track = pack(constant_track(0.0, 0.0))
     return _with(system, element=element, curve=np.concatenate(rows), track=track, shift=NO_SHIFT)
+
+
+def without_implicit(model):
+    """The model without dampers and friction that act implicitly in their rate, which no step is too long for."""
+    element = model.element.copy()
+    implicit = element["stiff"] >= 0
+    element["c"][implicit], element["damper_curve"][implicit], element["limit"][implicit[:, 0]] = 0.0, -1, 0.0
+    return freeze(model._replace(element=element))
 
 
 def _with(system, **arrays):
@@ -276,7 +281,7 @@ def aside(motion, number, known):
         Of the wheelset, from 0.
     known : StepLimit
     """
-    model, data = motion.system.model, motion.data
+    model, data = without_implicit(motion.system.model), motion.data
     i, wheels = motion.system.wheelsets[number], slice(2 * number, 2 * number + 2)
     mass = np.r_[np.full(3, model.body[i]["mass"]), model.body[i]["inertia"]][CROSSWISE]
     alike = bool((model.wheel[wheels][["radius", "table"]] == model.wheel[wheels][0][["radius", "table"]]).all())

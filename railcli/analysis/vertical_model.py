@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import StateSpace, lsim
 
+from railcli.model.air import AirSpring
 from railcli.model.elements import Bushing, Link
 from railcli.model.friction_elements import Friction, LeafSpring
+from railcli.model.moments import Matrix, Torque
 from railcli.model.vehicle import carried, placed
 
 X, Z, PITCH = 0, 1, 2
@@ -107,23 +109,39 @@ def vertical_model(vehicle, contacts, speed, hold, gravity):
     for i, body in enumerate(vehicle.bodies):
         mass[3 * i : 3 * i + 3] = body.mass, body.mass, body.inertia[1]
     stiffness, damping = np.zeros((n, n)), np.zeros((n, n))
-    states = []  # of dampers: direction, series stiffness, damping
+    states = []  # of dampers: direction, series stiffness, damping, stiffness beside it
+    loads = {_key(place): load for place, load in carried(vehicle, gravity)}
     for joint, lower, upper, places in placed(vehicle):
         turn = np.zeros(n)
         turn[3 * upper + PITCH], turn[3 * lower + PITCH] = 1.0, -1.0
         stiffness += joint.total_turn_stiffness[1] * np.outer(turn, turn)
         for place in places:
-            for direction, k, c, series in _springs(vehicle, place):
-                stretch = _motion(vehicle, n, upper, place.upper_arm, direction)
-                stretch -= _motion(vehicle, n, lower, place.lower_arm, direction)
-                stiffness += k * np.outer(stretch, stretch)
-                if series and stretch.any():
-                    states.append((stretch, series, c))
+            def stretch(direction, place=place, lower=lower, upper=upper):
+                row = _motion(vehicle, n, upper, place.upper_arm, direction)
+                return row - _motion(vehicle, n, lower, place.lower_arm, direction)
+
+            if isinstance(place.element, Matrix):
+                three = np.array([stretch((1.0, 0.0)), stretch((0.0, 1.0)), turn])
+                k, c = (half[[0, 2, 4]][:, [0, 2, 4]] for half in np.split(place.element.packed(place.sign), 2))
+                stiffness += three.T @ k @ three
+                damping += three.T @ c @ three
+                continue
+            if isinstance(place.element, Torque):
+                k, c = _torque(place.element)
+                stiffness += k * np.outer(turn, turn)
+                damping += c * np.outer(turn, turn)
+                continue
+            load = loads.get(_key(place), 0.0)
+            for direction, k, c, series, beside in _springs(vehicle, place, load):
+                row = stretch(direction)
+                stiffness += k * np.outer(row, row)
+                if series and row.any():
+                    states.append((row, series, c, beside))
                 else:
-                    damping += c * np.outer(stretch, stretch)
-    axes = {upper: joint.axes for joint, _, upper, _ in placed(vehicle)}
+                    damping += c * np.outer(row, row)
+    axes = {_key(place): joint.axes for joint, _, _, places in placed(vehicle) for place in places}
     for place, load in carried(vehicle, gravity):
-        stiffness += load * _tilt(vehicle, n, place, axes[place.upper])
+        stiffness += load * _tilt(vehicle, n, place, axes[_key(place)])
     damping[X, X] += hold
     at_rail, from_height, from_rate = [], [], []
     for i, contact in zip(vehicle.wheelsets, contacts, strict=True):
@@ -143,26 +161,36 @@ def vertical_model(vehicle, contacts, speed, hold, gravity):
     return VerticalModel(space, np.array([vehicle.bodies[i].x - first for i in vehicle.wheelsets]), speed)
 
 
-def _springs(vehicle, place):
-    """Direction (x, z), stiffness, damping and series stiffness of each spring of an element; friction sticks."""
+def _key(place):
+    """What tells one place of an element from all others."""
+    return id(place.element), place.lower, place.upper, place.sign
+
+
+def _springs(vehicle, place, load):
+    """Direction (x, z), stiffness, damping, series stiffness and that beside the damper of each spring of an element.
+
+    Friction sticks. load : that it carries at rest [N].
+    """
     element = place.element
     if isinstance(element, Bushing):
         for axis, direction in ((0, (1.0, 0.0)), (2, (0.0, 1.0))):
-            table = element.spring_tables[axis]
-            yield direction, element.stiffness[axis] + _slope(table), element.damping[axis], 0.0
+            damping = element.damping[axis] + _slope(element.damper_tables[axis])
+            yield direction, element.stiffness[axis] + _slope(element.spring_tables[axis]), damping, 0.0, 0.0
+    elif isinstance(element, AirSpring):
+        air = element.stiffness(load)
+        yield (1.0, 0.0), element.shear_stiffness[0], element.shear_damping[0], 0.0, 0.0
+        yield (0.0, 1.0), air.area, element.orifice_damping + _slope(element.orifice_table), air.bellows, air.reservoir
     elif isinstance(element, Link):
-        damping = element.damping
-        if element.damper_table is not None:
-            damping = _slope(element.damper_table)
-        yield _line(place), element.stiffness, damping, element.series_stiffness
+        damping = element.damping + _slope(element.damper_table)
+        yield _line(place), element.stiffness, damping, element.series_stiffness, 0.0
     elif isinstance(element, Friction):
         damping = element.damping_between(*(vehicle.bodies[i].mass for i in (place.lower, place.upper)))
         along = {"x": (1.0, 0.0), "z": (0.0, 1.0)}
         lines = [_line(place)] if element.is_link else [along[axis] for axis in element.directions if axis in along]
         for direction in lines:
-            yield direction, element.series_stiffness, damping, 0.0
+            yield direction, element.series_stiffness, damping, 0.0, 0.0
     elif isinstance(element, LeafSpring):
-        yield (0.0, 1.0), element.soft_stiffness, 0.0, 0.0
+        yield (0.0, 1.0), element.soft_stiffness, 0.0, 0.0, 0.0
     else:
         raise TypeError(f"no springs known of {type(element).__name__}")
 
@@ -172,6 +200,13 @@ def _line(place):
     element = place.element
     along = np.subtract(element.upper, element.lower) / element.length
     return place.sign[0] * along[0], -along[2]
+
+
+def _torque(element):
+    """Stiffness and damping of a torque about y: the share of its axis along it; dry friction does not count."""
+    share = element.direction[1] ** 2
+    stiffness = element.turn_stiffness + _slope(element.turn_table)
+    return share * stiffness, share * (element.turn_damping + _slope(element.turn_damper_table))
 
 
 def _slope(table):
@@ -207,9 +242,9 @@ def _tilt(vehicle, n, place, axes):
 
 def _space(mass, stiffness, damping, states, from_height, from_rate, at_rail):
     n, m, wheelsets = mass.size, len(states), len(at_rail)
-    direction = np.array([row for row, _, _ in states]).reshape(m, n)
-    series = np.array([value for _, value, _ in states])
-    rate = series / np.array([value for _, _, value in states]) if m else series
+    direction = np.array([row for row, *_ in states]).reshape(m, n)
+    series, damper, beside = (np.array([state[k] for state in states]) for k in (1, 2, 3))
+    rate = series / damper
     stiffness = stiffness + direction.T @ (series[:, None] * direction)
     a = np.zeros((2 * n + m, 2 * n + m))
     a[:n, n : 2 * n] = np.eye(n)
@@ -217,7 +252,7 @@ def _space(mass, stiffness, damping, states, from_height, from_rate, at_rail):
     a[n : 2 * n, n : 2 * n] = -damping / mass[:, None]
     a[n : 2 * n, 2 * n :] = direction.T * series / mass[:, None]
     a[2 * n :, :n] = rate[:, None] * direction
-    a[2 * n :, 2 * n :] = -np.diag(rate)
+    a[2 * n :, 2 * n :] = -np.diag(rate + beside / damper)
     b = np.zeros((2 * n + m, 2 * wheelsets))
     b[n : 2 * n] = np.hstack([from_height.T, from_rate.T]) / mass[:, None]
     wheel = np.zeros((wheelsets, 2 * n + m))

@@ -23,11 +23,12 @@ from .profiles import load_profile
 from .resources import resource
 from .track_table import read_alignment
 
-CASES = ("benchmarks/manchester/cases", "vehicles/y25/cases")
+CASES = ("benchmarks/manchester/cases", "vehicles/y25/cases", "vehicles/locomotive/cases")
 VEHICLES = {
     "manchester": "benchmarks/manchester/vehicle.toml",
     "y25-empty": "vehicles/y25/empty.toml",
     "y25-laden": "vehicles/y25/laden.toml",
+    "locomotive": "vehicles/locomotive/vehicle.toml",
 }
 DEFAULT_SCENARIO = "curve-1200-45"
 

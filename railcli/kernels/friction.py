@@ -14,26 +14,30 @@ SETTLED = 1e6  # [s]
 
 
 @kernel
-def series_damper(model, data, element, length, half_step):
-    """Tension of a damper with series stiffness ks: T = ks (l - x), dx/dt = rate(T); fills its damper_rate.
+def series_damper(model, data, element, k, length, half_step):
+    """Tension of a spring ks with damper k of the element behind it, beside which a spring kr may stand.
 
-    x moves by the implicit midpoint rule. Where the table has a flat part, from middle to middle instead: a midpoint
-    rule would let x swing about the length that belongs to the plateau.
+    T = ks (l - x), the damper bears T - kr x at the rate dx/dt; fills its damper_rate. x moves by the implicit midpoint
+    rule. Where the table has a flat part, from middle to middle instead: a midpoint rule would let x swing about the
+    length that belongs to the plateau.
     """
-    state, series = element["state"], element["series"]
-    stretch = length - data.damper[state]
+    state, series, beside = element["state"], element["series"], element["reservoir"]
+    before = data.damper[state]
+    stretch = length - before
     if half_step > SETTLED:
-        data.damper_rate[state] = stretch / half_step
-        return 0.0
-    weight = series * (2.0 * half_step if element["dry"] else half_step)
-    table = element["damper_curve"]
+        move = stretch - beside * length / (series + beside)
+        data.damper_rate[state] = move / half_step
+        return beside * (before + move)
+    way = 2.0 * half_step if element["dry"] else half_step
+    weight, trial = way * (series + beside), series * stretch - beside * before
+    table = element["damper_curve"][k]
     if table >= 0:
-        rate, tension = solve_curve(model.curve[table], weight, series * stretch)
+        rate, tension = solve_curve(model.curve[table], weight, trial)
     else:
-        rate = series * stretch / (element["c"][0] + weight)
-        tension = element["c"][0] * rate
+        rate = trial / (element["c"][k] + weight)
+        tension = element["c"][k] * rate
     data.damper_rate[state] = rate
-    return tension
+    return tension + beside * (before + way * rate)
 
 
 @kernel

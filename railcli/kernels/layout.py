@@ -44,6 +44,9 @@ class Kind(IntEnum):
     DRY = 2  # dry friction along one or several of the joint's axes
     DRY_LINK = 3  # dry friction along the line between its two ends
     LEAF = 4  # leaf spring along the joint's z
+    MATRIX = 5  # stiffness and damping that couple all six relative motions
+    TORQUE = 6  # turns the bodies against each other about one axis
+    AIR = 7  # a bushing that holds, along z, a volume of air with a reservoir behind an orifice
 
 
 class Axes(IntEnum):
@@ -128,7 +131,7 @@ JOINT = np.dtype(  # everything between one pair of bodies
         ("first", "i8"),  # its elements: first ... first + count - 1
         ("count", "i8"),
         ("axes", "i8"),  # Axes
-        ("turn", "f8", 3),  # rotational stiffness about the mean axes [N m/rad]
+        ("turn", "f8", 3),  # rotational stiffness about the mean axes; on a wheelset: of its axle [N m/rad]
     ],
     align=True,
 )
@@ -136,18 +139,22 @@ JOINT = np.dtype(  # everything between one pair of bodies
 ELEMENT = np.dtype(
     [
         ("kind", "i8"),  # Kind
-        ("lower", "f8", 3),  # end on the lower body, in its frame [m]
+        ("lower", "f8", 3),  # end on the lower body, in its frame; torque: its axis [m], [-]
         ("upper", "f8", 3),  # end on the upper body, in its frame [m]
-        ("k", "f8", 3),  # bushing: stiffness along x, y, z; link: k[0] along it; friction: 0 where it has none [N/m]
-        ("c", "f8", 3),  # damping likewise; friction: c[0] beside its series spring [N s/m]
-        ("preload", "f8", 3),  # bushing: force on the upper body at rest; link: -, tension in [0] [N]
+        ("k", "f8", 3),  # stiffness along x, y, z; link, torque: k[0]; friction: 0 where it has none [N/m, N m/rad]
+        ("c", "f8", 3),  # damping likewise; friction: c[0] beside its series spring; air: c[2] orifice [N s/m]
+        ("preload", "f8", 3),  # bushing: force on the upper body at rest; link: -, tension in [0] [N]; torque [N m]
         ("spring_curve", "i8", 3),  # force over displacement beside k, index into curves; -1: none; leaf: upper, lower
-        ("damper_curve", "i8"),  # link: force over rate, index into curves; -1: none
-        ("series", "f8"),  # stiffness in series with a link's damper, or with dry friction; 0: none [N/m]
+        ("damper_curve", "i8", 3),  # force over rate in place of c, index into curves; -1: none
+        ("dampers", "i8"),  # bushing: 1: some of its damping is a table or implicit
+        ("stiff", "i8", 3),  # place in Data.tension of what acts implicitly in its rate; -1: explicit
+        ("series", "f8"),  # stiffness in series with the damper of a link or air spring, with friction; 0: none [N/m]
+        ("reservoir", "f8"),  # air: stiffness beside that damper [N/m]
         ("dry", "i8"),  # 1: a damper in series whose table has a flat part
         ("state", "i8"),  # its first place in Data.damper; -1: none
+        ("matrix", "i8"),  # its place in Model.matrix
         ("length", "f8"),  # link: length without spring force [m]
-        ("limit", "f8"),  # dry friction: constant part of its limit [N]
+        ("limit", "f8"),  # dry friction: constant part of its limit [N], of a torque [N m]
         ("coefficient", "f8"),  # and part per load of the element `source` [-]
         ("source", "i8"),  # element whose load it feels, before it in the same joint; -1: none
         ("decay", "f8"),  # leaf: deflection over which its force fades towards an envelope by 1/e [m]
@@ -307,6 +314,24 @@ RAIL = np.dtype(  # derived: force of one wheel on its rail, and how far that ra
 )
 
 
+STIFF = np.dtype(  # derived: a scalar force or torque that acts implicitly; tension T, rate of extension r
+    [
+        ("upper", "i8"),  # bodies
+        ("lower", "i8"),
+        ("curve", "i8"),  # T over r; -1: damping times rate
+        ("damping", "f8"),  # [N s/m], [N m s/rad]
+        ("friction", "f8"),  # beside it: dry friction [N], [N m]
+        ("rate", "f8"),  # r at the predicted velocity [m/s], [rad/s]
+        ("upper_pull", "f8", 6),  # loads on the upper body per tension, as Data.load; r = - pull . v
+        ("lower_pull", "f8", 6),
+        ("upper_answer", "f8", 6),  # accelerations that these loads make
+        ("lower_answer", "f8", 6),
+        ("give", "f8"),  # W: fall of r per tension over the implicit share of the step [m/(N s)], [rad/(N m s)]
+    ],
+    align=True,
+)
+
+
 class Model(NamedTuple):
     """What does not change during a run: read-only arrays."""
 
@@ -323,6 +348,7 @@ class Model(NamedTuple):
     branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
     creep: np.ndarray  # (n, 4) creep_table.tabulate; empty unless the creep law needs it
     shift: np.ndarray  # (n, SHIFT_CHANNELS) displacement of the rails at equal distances; n = 0: they lie ideally
+    matrix: np.ndarray  # (n, 12, 6) stiffness above damping over x, y, z, roll, pitch, yaw [N/m, N, N m/rad ... and s]
 
 
 class Data(NamedTuple):
@@ -332,6 +358,7 @@ class Data(NamedTuple):
     v: np.ndarray  # state: (n_body, 6) velocity in track axes [m/s], angular velocity in its own axes [rad/s]
     dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
     damper: np.ndarray  # state: (n_state,) lengths of dampers with series stiffness, of friction; leaf springs [m, N]
+    tension: np.ndarray  # state: (n_stiff,) of what acts implicitly in its rate, at the last step [N], [N m]
     lag: np.ndarray  # state: (n_wheel, MAX_CONTACT, 4) creepages of slow patches [-], place [m], 1: is one
     clock: np.ndarray  # state: (1,) time [s]
     held: np.ndarray  # state: (1,) grown part of the force that holds the speed [N]
@@ -348,6 +375,7 @@ class Data(NamedTuple):
     contact: np.ndarray  # derived: (n_wheel, MAX_CONTACT) CONTACT
     rail: np.ndarray  # derived: (n_wheel,) RAIL
     creep_damping: np.ndarray  # derived: (n_body, 6, 6) -d load / d v of the creep forces
+    stiff: np.ndarray  # derived: (n_stiff,) STIFF
     traction: np.ndarray  # derived: (1,) force that holds the speed [N]
     fault: np.ndarray  # derived: (1,) index of the culprit when the status is not OK
 
@@ -366,45 +394,30 @@ class Rows(NamedTuple):
 
 MODEL_TYPE = types.NamedTuple(
     (
-        constant(PARAM),
-        constant(PIECE),
-        constant(BODY),
-        constant(JOINT),
-        constant(ELEMENT),
-        constant(CURVE),
-        constant(WHEEL),
-        constant(TABLE),
+        *map(constant, (PARAM, PIECE, BODY, JOINT, ELEMENT, CURVE, WHEEL, TABLE)),
         constant(np.float64, 2),
         constant(np.int32),
         constant(np.int32, 2),
-        constant(np.float64, 2),
-        constant(np.float64, 2),
+        *2 * [constant(np.float64, 2)],
+        constant(np.float64, 3),
     ),
     Model,
 )
 
 DATA_TYPE = types.NamedTuple(
     (
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
-        mutable(np.float64),
+        *3 * [mutable(np.float64, 2)],
+        *2 * [mutable(np.float64)],
         mutable(np.float64, 3),
-        mutable(np.float64),
-        mutable(np.float64),
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
+        *2 * [mutable(np.float64)],
+        *4 * [mutable(np.float64, 2)],
         mutable(FRAME),
-        mutable(np.float64),
-        mutable(np.float64),
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
-        mutable(np.float64, 2),
+        *2 * [mutable(np.float64)],
+        *3 * [mutable(np.float64, 2)],
         mutable(CONTACT, 2),
         mutable(RAIL),
         mutable(np.float64, 3),
+        mutable(STIFF),
         mutable(np.float64),
         mutable(np.int64),
     ),
@@ -415,9 +428,7 @@ DATA_TYPE = types.NamedTuple(
 ROWS_TYPE = types.NamedTuple(
     (
         mutable(np.float64),
-        mutable(np.float64, 3),
-        mutable(np.float64, 3),
-        mutable(np.float64, 3),
+        *3 * [mutable(np.float64, 3)],
         mutable(RAIL, 2),
         mutable(CONTACT, 3),
         mutable(np.float64),
@@ -438,11 +449,13 @@ def new_data(model, q, n_damper):
         Number of damper states.
     """
     n_body, n_wheel = model.body.size, model.wheel.size
+    n_stiff = 1 + model.element["stiff"].max(initial=-1)
     return Data(
         q=np.array(q, dtype=np.float64).reshape(n_body, 6),
         v=np.zeros((n_body, 6)),
         dv=np.zeros((n_body, 6)),
         damper=np.zeros(n_damper),
+        tension=np.zeros(n_stiff),
         lag=np.zeros((n_wheel, MAX_CONTACT, 4)),
         clock=np.zeros(1),
         held=np.zeros(1),
@@ -459,6 +472,7 @@ def new_data(model, q, n_damper):
         contact=np.zeros((n_wheel, MAX_CONTACT), CONTACT),
         rail=np.zeros(n_wheel, RAIL),
         creep_damping=np.zeros((n_body, 6, 6)),
+        stiff=np.zeros(n_stiff, STIFF),
         traction=np.zeros(1),
         fault=np.zeros(1, np.int64),
     )
@@ -479,6 +493,7 @@ def new_rows(model, n):
 
 
 NO_SHIFT = np.zeros((0, SHIFT_CHANNELS))  # Model.shift of rails in their ideal place
+NO_MATRIX = np.zeros((0, 12, 6))
 
 
 def freeze(model):

@@ -33,7 +33,7 @@ def repeat(model, data, stage, times):
         if stage == Stage.TRACK:
             status = frames(model, data)
         elif stage == Stage.SUSPENSION:
-            status = suspension(model, data, half_step)
+            status = suspension(model, data, half_step, True)
         elif stage == Stage.CONTACT:
             status = touch(model, data)
         elif stage == Stage.CREEP:

@@ -4,10 +4,10 @@ from math import isfinite
 
 from numba import types
 
-from .block import block, raise_diagonal, solve
 from .body import drift, drift_on, frames, inertia_loads
 from .contact import describe_patch, remember, slip, slip_wheelset, touch
 from .curve import read_curve
+from .implicit import answer, settle_tensions
 from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
 from .suspension import suspension
@@ -37,34 +37,24 @@ def hold_speed(model, data):
 
 
 @kernel
-def loads(model, data, half_step, step):
+def loads(model, data, half_step, moving):
     """Everything from q, v and the dampers to data.load = M dv/dt. Returns a status.
 
-    half_step : as `suspension`.  step : as `slip`.
+    half_step, moving : as `suspension`.
     """
     status = frames(model, data)
     if status != 0:
         return status
-    status = suspension(model, data, half_step)
+    status = suspension(model, data, half_step, moving)
     if status != 0:
         return status
     inertia_loads(model, data)
     status = touch(model, data)
     if status != 0:
         return status
-    slip(model, data, step)
+    slip(model, data, model.param[0]["step"] if moving else 0.0)
     hold_speed(model, data)
     return 0
-
-
-@kernel
-def answer(model, data, i, reach, force, moment):
-    """(M + reach C)^-1 of a force and moment on wheelset i, C = -d load / d v of its creep forces."""
-    c, body = data.creep_damping, model.body[i]
-    mass = body["mass"]
-    p, q = block(c, i, 0, 0, reach), block(c, i, 0, 3, reach)
-    r, s = block(c, i, 3, 0, reach), block(c, i, 3, 3, reach)
-    return solve(raise_diagonal(p, (mass, mass, mass)), q, r, raise_diagonal(s, get(body["inertia"])), force, moment)
 
 
 @kernel
@@ -198,11 +188,13 @@ def step(model, data):
             data.dv_start[i, k] = data.dv[i, k]
             data.q[i, k] += half * data.rate[i, k]
             data.v[i, k] += half * data.dv[i, k]
-    status = loads(model, data, half, h)
+    status = loads(model, data, half, True)
     if status != 0:
         return status
     accelerate(model, data, THETA * h)
     remember(model, data)
+    if data.stiff.size > 0:
+        settle_tensions(model, data, THETA * h)
     for i in range(n):
         for k in range(6):
             data.v[i, k] = data.v_start[i, k] + half * data.dv[i, k]
@@ -240,7 +232,7 @@ def advance(model, data, n_steps):
 @entry(types.int64(MODEL_TYPE, DATA_TYPE, types.float64))
 def evaluate(model, data, half_step):
     """Loads and accelerations at data.q and data.v, nothing moved; half_step as `loads`. Returns a Status."""
-    status = loads(model, data, half_step, 0.0)
+    status = loads(model, data, half_step, False)
     accelerate(model, data, 0.0)
     return status
 

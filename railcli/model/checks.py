@@ -24,6 +24,7 @@ Coordinate = Annotated[Real, Field(ge=-1000.0, le=1000.0)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Coefficient = Annotated[NotNegative, Field(le=1e15)]  # a stiffness or damping
 CoefficientVector = tuple[Coefficient, Coefficient, Coefficient]
+NONE = (0.0, 0.0, 0.0)
 Flag = Annotated[bool, Strict()]
 Text = Annotated[str, Strict()]
 Name = Annotated[str, Strict(), Field(min_length=1, max_length=80)]

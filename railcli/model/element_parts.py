@@ -28,11 +28,11 @@ def mirrored_apart(element):
     return element
 
 
-def check_knots(name, argument, force):
-    """Refuse what is no curve: an argument that does not rise, a force that falls."""
+def check_knots(name, argument, force, value="force"):
+    """Refuse what is no curve: an argument that does not rise, a force that falls; with the names of both."""
     if len(argument) != len(force):
-        raise ValueError(f"{name} has {len(argument)} values, force has {len(force)}")
+        raise ValueError(f"{name} has {len(argument)} values, {value} has {len(force)}")
     if np.any(np.diff(argument) <= 0.0):
         raise ValueError(f"{name} must increase from each value to the next")
     if np.any(np.diff(force) < 0.0):
-        raise ValueError("force must not decrease")
+        raise ValueError(f"{value} must not decrease")

@@ -3,70 +3,17 @@
 Points: x forward, y to the right, height above the rail tops [m].
 """
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from railcli.kernels.layout import CURVE_KNOTS
-
-from .checks import Coefficient, CoefficientVector, Description, Flag, Name, Point, hint
-from .element_parts import MIRRORS, Mirror, Values, check_knots, mirrored_apart
+from .air import AirSpring
+from .checks import NONE, Coefficient, CoefficientVector, Description, Flag, Name, Point, hint
+from .element_parts import MIRRORS, Mirror, mirrored_apart
 from .friction_elements import Friction, LeafSpring
-
-_NO_STIFFNESS = (0.0, 0.0, 0.0)
-
-
-class _Table(Description):
-    """Piecewise linear, continued along its first and last slopes."""
-
-    argument_name: ClassVar[str]
-    force: Values = Field(alias="force_N")
-    odd: Flag = False  # given for the positive side only; f(-x) = -f(x)
-
-    def knots(self):
-        """Both coordinates of all knots, the mirrored side included."""
-        x, y = np.array(self.argument), np.array(self.force)
-        if self.odd:
-            keep = x > 0.0
-            x = np.concatenate([-x[keep][::-1], x])
-            y = np.concatenate([-y[keep][::-1], y])
-        return x, y
-
-    @model_validator(mode="after")
-    def _is_a_spring_or_damper(self):
-        name = self.argument_name
-        check_knots(name, self.argument, self.force)
-        if self.odd and (self.argument[0] < 0.0 or (self.argument[0] == 0.0 and self.force[0] != 0.0)):
-            raise ValueError(f"with odd = true, {name} must not be negative and the force at 0 must be 0")
-        x, y = self.knots()
-        if x.size > CURVE_KNOTS:
-            raise ValueError(f"has {x.size} knots with the mirrored side, at most {CURVE_KNOTS} are allowed")
-        if not x[0] <= 0.0 <= x[-1] or abs(np.interp(0.0, x, y)) > 1e-9 * np.abs(y).max():
-            raise ValueError("must pass through (0, 0): no force in the nominal geometry or at rest")
-        return self
-
-
-class SpringTable(_Table):
-    """Force over displacement, beside the linear stiffness."""
-
-    argument_name = "displacement"
-    displacement: Values = Field(alias="displacement_m")
-
-    @property
-    def argument(self):
-        return self.displacement
-
-
-class DamperTable(_Table):
-    """Force over rate of extension."""
-
-    argument_name = "rate"
-    rate: Values = Field(alias="rate_m_per_s")
-
-    @property
-    def argument(self):
-        return self.rate
+from .moments import Matrix, Torque
+from .tables import DamperTable, SpringTable
 
 
 class Bushing(Description):
@@ -75,12 +22,15 @@ class Bushing(Description):
     name: Name
     at: Point = Field(alias="at_m")
     mirror: Mirror = "none"
-    stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="stiffness_N_per_m")
-    damping: CoefficientVector = Field(_NO_STIFFNESS, alias="damping_Ns_per_m")
-    turn_stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="turn_stiffness_Nm_per_rad")
+    stiffness: CoefficientVector = Field(NONE, alias="stiffness_N_per_m")
+    damping: CoefficientVector = Field(NONE, alias="damping_Ns_per_m")
+    turn_stiffness: CoefficientVector = Field(NONE, alias="turn_stiffness_Nm_per_rad")
     spring_table_x: SpringTable | None = None
     spring_table_y: SpringTable | None = None
     spring_table_z: SpringTable | None = None
+    damper_table_x: DamperTable | None = None
+    damper_table_y: DamperTable | None = None
+    damper_table_z: DamperTable | None = None
     carries_weight: Flag = False
     preload: Coefficient = Field(0.0, alias="preload_N")  # vertical load at rest, given instead of its share of weight
 
@@ -96,8 +46,15 @@ class Bushing(Description):
     def spring_tables(self):
         return self.spring_table_x, self.spring_table_y, self.spring_table_z
 
+    @property
+    def damper_tables(self):
+        return self.damper_table_x, self.damper_table_y, self.damper_table_z
+
     @model_validator(mode="after")
     def _mirrors(self):
+        for letter, damping, table in zip("xyz", self.damping, self.damper_tables, strict=True):
+            if damping > 0.0 and table is not None:
+                raise ValueError(f"give either damping_Ns_per_m along {letter} or damper_table_{letter}, not both")
         if self.carries_weight and self.preload > 0.0:
             raise ValueError("give either carries_weight = true or preload_N, the load that it carries at rest")
         return mirrored_apart(self)
@@ -152,16 +109,32 @@ class Joint(Description):
     name: Name
     pairs: Annotated[tuple[tuple[Name, Name], ...], Field(min_length=1)]  # (lower, upper)
     axes: Literal["mean", "upper"] = "mean"
-    turn_stiffness: CoefficientVector = Field(_NO_STIFFNESS, alias="turn_stiffness_Nm_per_rad")
+    turn_stiffness: CoefficientVector = Field(NONE, alias="turn_stiffness_Nm_per_rad")
     bushings: tuple[Bushing, ...] = Field((), alias="bushing")
     links: tuple[Link, ...] = Field((), alias="link")
     frictions: tuple[Friction, ...] = Field((), alias="friction")
     leaf_springs: tuple[LeafSpring, ...] = Field((), alias="leaf_spring")
+    matrices: tuple[Matrix, ...] = Field((), alias="matrix")
+    air_springs: tuple[AirSpring, ...] = Field((), alias="air_spring")
+    torques: tuple[Torque, ...] = Field((), alias="torque")
+
+    @property
+    def lists(self):
+        """Its elements by the key of a file; what carries a load stands before the friction that feels it."""
+        return {
+            "bushing": self.bushings,
+            "link": self.links,
+            "friction": self.frictions,
+            "leaf_spring": self.leaf_springs,
+            "matrix": self.matrices,
+            "air_spring": self.air_springs,
+            "torque": self.torques,
+        }
 
     @property
     def elements(self):
-        """All of them; what carries a load stands before the friction that feels it."""
-        return (*self.bushings, *self.links, *self.frictions, *self.leaf_springs)
+        """All of them."""
+        return tuple(element for each in self.lists.values() for element in each)
 
     @model_validator(mode="after")
     def _friction_feels_its_load(self):

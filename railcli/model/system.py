@@ -12,11 +12,13 @@ from railcli.kernels.layout import CURVE, PARAM, Creep, Model, freeze, new_data
 from . import rails as rails_model
 from . import vehicle as vehicle_model
 from .contact_table import LIMITS, TableSettings
+from .stiff import mark_stiff
 from .submodels import CREEP_LAWS, choose
 
 HOLD = 1e6  # force per speed error that holds the speed of the first body [N s/m]
 HOLD_RATE = 1.0  # at which that force grows while the error lasts [1/s]
 HOLD_SHARE = 0.5  # of the body's mass over the step: the holding force acts explicitly and must not overshoot
+STIFF_STEP = 1e-3  # dampers too stiff for this step, the longest usual one, act implicitly at every step [s]
 DRAFT_STEP = 0.5e-3  # of a system whose scenario leaves the step to be chosen (analysis/step_choice.py) [s]
 CREEP_SPEED = 0.1  # creepages are divided by at least this speed [m/s]
 SETTLED = 1e-4  # change of creepages within which a step takes creep forces as linear in them
@@ -201,7 +203,7 @@ def assemble(scenario, tables):
         track=scenario.pieces(),
         body=packed.body,
         joint=packed.joint,
-        element=packed.element,
+        element=mark_stiff(packed, max(STIFF_STEP, scenario.run.step or 0.0)),
         curve=packed.curve,
         wheel=wheel,
         table=table,
@@ -210,6 +212,7 @@ def assemble(scenario, tables):
         branch=branch,
         creep=creep_table(scenario.contact.creep_law),
         shift=shift,
+        matrix=packed.matrix,
     )
     return System(
         model=freeze(model),

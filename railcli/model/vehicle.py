@@ -12,9 +12,12 @@ from pydantic import Field, model_validator
 
 from railcli.kernels.layout import BODY, CURVE, ELEMENT, JOINT, WHEEL, Axes, Kind
 
+from .air import AirSpring
+from .axle import fault_on_wheelset, on_axle
 from .checks import Coordinate, Description, Name, Positive, Real, Text, hint
 from .elements import Bushing, Joint, Link
 from .friction_elements import Friction, LeafSpring
+from .moments import Matrix, Torque
 
 LARGEST_DIFFERENCE = 0.010  # of the wheel radii of one wheelset [m]
 STANDARD_GRAVITY = 9.81  # for the checks of a vehicle that no scenario has put anywhere yet [m/s^2]
@@ -31,6 +34,7 @@ class Body(Description):
     mass: Annotated[Positive, Field(le=1e7)] = Field(alias="mass_kg")
     inertia: tuple[_Inertia, _Inertia, _Inertia] = Field(alias="inertia_kg_m2")  # about x, y, z through its centre
     x: Coordinate = Field(alias="x_m")
+    y: Coordinate = Field(0.0, alias="y_m")  # of its centre of mass, to the right
     height: Annotated[Positive, Field(le=20.0)] | None = Field(None, alias="height_m")  # of its centre of mass
     wheel_radius: _Radius | None = Field(None, alias="wheel_radius_m")  # at the tape circle
     left_wheel_radius: _Radius | None = Field(None, alias="left_wheel_radius_m")  # where it is not the same
@@ -39,6 +43,8 @@ class Body(Description):
     def _has_one_height(self):
         if (self.height is None) == (self.wheel_radius is None):
             raise ValueError("give either height_m (of the centre of mass) or, for a wheelset, wheel_radius_m")
+        if self.is_wheelset and self.y != 0.0:
+            raise ValueError(f"y_m: a wheelset stands in the middle of the track, got {self.y:g} m")
         if self.left_wheel_radius is not None:
             if self.wheel_radius is None:
                 raise ValueError("left_wheel_radius_m: only beside wheel_radius_m, the radius of the right wheel")
@@ -62,7 +68,7 @@ class Body(Description):
     @property
     def centre(self):
         """Centre of mass: x, y, height [m]; that of a wheelset when it stands level on both tape circles on average."""
-        return (self.x, 0.0, 0.5 * sum(self.wheel_radii) if self.is_wheelset else self.height)
+        return (self.x, self.y, 0.5 * sum(self.wheel_radii) if self.is_wheelset else self.height)
 
 
 class Vehicle(Description):
@@ -96,8 +102,10 @@ class Vehicle(Description):
                 raise ValueError(f"{where}[{p}]: joins {pair[0]!r} with itself")
             if set(pair) in map(set, joint.pairs[: p - 1]):
                 raise ValueError(f"{where}[{p}]: {pair[0]!r} and {pair[1]!r} are joined by this joint already")
-            if joint.total_turn_stiffness[1] > 0.0 and (lower.is_wheelset or upper.is_wheelset):
-                raise ValueError(f"{where}[{p}]: a wheelset spins, so its joints take no turn stiffness about y")
+            if lower.is_wheelset or upper.is_wheelset:
+                fault = fault_on_wheelset(joint, lower, upper)
+                if fault:
+                    raise ValueError(f"{where}[{p}]: {fault}")
 
     def _check_statics(self):
         _, residual = _statics(self)
@@ -135,7 +143,7 @@ class Vehicle(Description):
 class Place(NamedTuple):
     """One element of one pair, as it stands in the vehicle."""
 
-    element: Bushing | Link | Friction | LeafSpring
+    element: Bushing | Link | Friction | LeafSpring | Matrix | AirSpring | Torque
     sign: tuple[int, int]  # -1: mirrored in x, in y
     lower: int
     upper: int
@@ -151,8 +159,9 @@ def placed(vehicle) -> Iterator[tuple[Joint, int, int, list[Place]]]:
             bodies = vehicle.bodies[lower], vehicle.bodies[upper]
             places = []
             for element in joint.elements:
+                ends = on_axle(element.ends, bodies)
                 for sign in element.signs:
-                    arms = (_arm(bodies[0].x, end, sign, body) for end, body in zip(element.ends, bodies, strict=True))
+                    arms = (_arm(bodies[0].x, end, sign, body) for end, body in zip(ends, bodies, strict=True))
                     places.append(Place(element, sign, lower, upper, *arms))
             yield joint, lower, upper, places
 
@@ -175,8 +184,12 @@ def _arm(origin, point, sign, body):
 def _carriers(vehicle):
     for _, _, _, places in placed(vehicle):
         for place in places:
-            if isinstance(place.element, Bushing) and (place.element.carries_weight or place.element.preload > 0.0):
+            if _carries(place.element):
                 yield place
+
+
+def _carries(element):
+    return getattr(element, "carries_weight", False) or getattr(element, "preload", 0.0) > 0.0
 
 
 def _statics(vehicle, gravity=STANDARD_GRAVITY):
@@ -197,7 +210,7 @@ def _statics(vehicle, gravity=STANDARD_GRAVITY):
     weight[list(vehicle.wheelsets)] = 0.0
     matrix[list(vehicle.wheelsets), :2] = 0.0
     rows = matrix.reshape(weight.size, len(carriers))
-    loads = np.array([place.element.preload for place in carriers])
+    loads = np.array([getattr(place.element, "preload", 0.0) for place in carriers])
     shares = np.array([place.element.carries_weight for place in carriers], bool)
     if shares.any():
         rest = weight.ravel() + rows @ loads
@@ -250,6 +263,7 @@ class PackedVehicle(NamedTuple):
     wheel: np.ndarray
     rest: np.ndarray  # (n_body, 6) coordinates in the nominal geometry, s relative to the first body [m, rad]
     damper: np.ndarray  # (n_state,) states of the elements, nothing displaced and no friction [m, N]
+    matrix: np.ndarray  # (n_matrix, 12, 6)
 
 
 def pack(vehicle, gravity, tape_circle, friction):
@@ -273,8 +287,8 @@ def pack(vehicle, gravity, tape_circle, friction):
         weight is negative along z.
     """
     loads = iter(_statics(vehicle, gravity)[0])
-    joints, elements, states = [], [], []
-    curves = _Curves()
+    joints, elements = [], []
+    parts = _Parts(vehicle)
     for joint, lower, upper, places in placed(vehicle):
         record = np.zeros(1, JOINT)[0]
         record["lower"], record["upper"] = lower, upper
@@ -284,73 +298,69 @@ def pack(vehicle, gravity, tape_circle, friction):
         for place in places:
             row = np.zeros(1, ELEMENT)[0]
             row["lower"], row["upper"] = place.lower_arm, place.upper_arm
-            row["spring_curve"], row["damper_curve"], row["state"], row["source"] = -1, -1, -1, -1
-            if isinstance(place.element, Bushing):
-                _fill_bushing(row, place.element, place.sign, curves, loads)
-            elif isinstance(place.element, Link):
-                _fill_link(row, place.element, curves, states)
-            elif isinstance(place.element, Friction):
-                _fill_friction(row, place, vehicle, states)
-                if place.element.load_of is not None:
-                    row["source"] = record["first"] + _source(place, places)
-            elif isinstance(place.element, LeafSpring):
-                _fill_leaf_spring(row, place.element, curves, states)
-            else:
-                raise TypeError(f"no packing for {type(place.element).__name__}")
+            for key in ("spring_curve", "damper_curve", "stiff", "state", "source", "matrix"):
+                row[key] = -1
+            if _carries(place.element):
+                row["preload"][2] = -next(loads)
+            _FILL[type(place.element)](row, place, parts)
+            if getattr(place.element, "load_of", None) is not None:
+                row["source"] = record["first"] + _source(place, places)
             elements.append(row)
     rest = np.zeros((len(vehicle.bodies), 6))
     rest[:, 0] = [body.x - vehicle.bodies[0].x for body in vehicle.bodies]
+    rest[:, 1] = [body.y for body in vehicle.bodies]
     rest[:, 2] = [-body.centre[2] for body in vehicle.bodies]
     packed = PackedVehicle(
         body=_bodies(vehicle),
         joint=np.array(joints, JOINT),
         element=np.array(elements, ELEMENT),
-        curve=np.array(curves.rows, CURVE),
+        curve=np.array(parts.curves, CURVE),
         wheel=_wheels(vehicle, tape_circle, friction),
         rest=rest,
-        damper=np.array(states, np.float64),
+        damper=np.array(parts.states, np.float64),
+        matrix=np.array(parts.matrices).reshape(-1, 12, 6),
     )
     for array in packed:
         array.flags.writeable = False
     return packed
 
 
-def _fill_bushing(row, bushing, sign, curves, loads):
+def _fill_bushing(row, place, parts):
+    bushing = place.element
     row["kind"] = Kind.BUSHING
     row["k"], row["c"] = bushing.stiffness, bushing.damping
-    for axis, (table, side) in enumerate(zip(bushing.spring_tables, (*sign, 1), strict=True)):
-        if table is not None:
-            x, y = table.knots()
-            row["spring_curve"][axis] = curves.index(side * x[::side], side * y[::side])
-    if bushing.carries_weight or bushing.preload > 0.0:
-        row["preload"][2] = -next(loads)
+    for key, tables in (("spring_curve", bushing.spring_tables), ("damper_curve", bushing.damper_tables)):
+        for axis, (table, side) in enumerate(zip(tables, (*place.sign, 1), strict=True)):
+            if table is not None:
+                x, y = table.knots()
+                row[key][axis] = parts.curve(side * x[::side], side * y[::side])
+    row["dampers"] = any(table is not None for table in bushing.damper_tables)
 
 
-def _fill_link(row, link, curves, states):
+def _fill_link(row, place, parts):
+    link = place.element
     row["kind"] = Kind.LINK
     row["k"][0], row["c"][0] = link.stiffness, link.damping
     row["length"], row["series"] = link.length, link.series_stiffness
     if link.damper_table is not None:
         rate, force = link.damper_table.knots()
-        row["damper_curve"] = curves.index(rate, force)
+        row["damper_curve"][0] = parts.curve(rate, force)
         row["dry"] = link.series_stiffness > 0.0 and np.any(np.diff(force) == 0.0)
     if link.series_stiffness:
-        row["state"] = len(states)
-        states.append(link.length)
+        row["state"] = parts.state(link.length)
 
 
-def _fill_friction(row, place, vehicle, states):
+def _fill_friction(row, place, parts):
     friction = place.element
     row["kind"] = Kind.DRY_LINK if friction.is_link else Kind.DRY
     row["limit"], row["coefficient"], row["series"] = friction.limit, friction.coefficient, friction.series_stiffness
-    row["c"][0] = friction.damping_between(*(vehicle.bodies[i].mass for i in (place.lower, place.upper)))
-    row["state"] = len(states)
+    row["c"][0] = friction.damping_between(*(parts.vehicle.bodies[i].mass for i in (place.lower, place.upper)))
     if friction.is_link:
         row["length"] = friction.length
-        states.append(friction.length)
+        row["state"] = parts.state(friction.length)
     else:
         row["k"] = [friction.series_stiffness * (axis in friction.directions) for axis in "xyz"]
-        states.extend(0.0 for _ in friction.directions)
+        row["state"] = parts.state(*(0.0 for _ in friction.directions))
 
 
 def _source(friction, places):
@@ -360,28 +370,71 @@ def _source(friction, places):
     return next((k for k in known if places[k].sign == friction.sign), known[0])
 
 
-def _fill_leaf_spring(row, spring, curves, states):
+def _fill_leaf_spring(row, place, parts):
+    spring = place.element
     row["kind"], row["decay"] = Kind.LEAF, spring.decay
-    row["spring_curve"][:2] = [curves.index(x, force) for x, force in spring.envelopes]
-    row["state"] = len(states)
-    states.extend((0.0, spring.middle))
+    row["spring_curve"][:2] = [parts.curve(x, force) for x, force in spring.envelopes]
+    row["state"] = parts.state(0.0, spring.middle)
 
 
-class _Curves:
-    """Rows of the curve array; equal tables share one."""
+def _fill_matrix(row, place, parts):
+    row["kind"], row["matrix"] = Kind.MATRIX, len(parts.matrices)
+    parts.matrices.append(place.element.packed(place.sign))
 
-    def __init__(self):
-        self.rows = []
+
+def _fill_air(row, place, parts):
+    air = place.element
+    row["kind"], row["dampers"] = Kind.AIR, 1
+    vertical = air.stiffness(-row["preload"][2])
+    row["k"], row["c"] = (*air.shear_stiffness, vertical.area), (*air.shear_damping, air.orifice_damping)
+    row["series"], row["reservoir"], row["state"] = vertical.bellows, vertical.reservoir, parts.state(0.0)
+    if air.orifice_table is not None:
+        row["damper_curve"][2] = parts.curve(*air.orifice_table.knots())
+
+
+def _fill_torque(row, place, parts):
+    torque = place.element
+    row["kind"], row["lower"] = Kind.TORQUE, torque.direction
+    row["k"][0], row["c"][0], row["limit"] = torque.turn_stiffness, torque.turn_damping, torque.friction
+    row["preload"][0] = torque.torque
+    for key, table in (("spring_curve", torque.turn_table), ("damper_curve", torque.turn_damper_table)):
+        if table is not None:
+            row[key][0] = parts.curve(*table.knots())
+
+
+_FILL = {
+    Bushing: _fill_bushing,
+    Link: _fill_link,
+    Friction: _fill_friction,
+    LeafSpring: _fill_leaf_spring,
+    Matrix: _fill_matrix,
+    AirSpring: _fill_air,
+    Torque: _fill_torque,
+}
+
+
+class _Parts:
+    """What elements share or have a place in: curves (equal ones once), states and matrices."""
+
+    def __init__(self, vehicle):
+        self.vehicle = vehicle
+        self.curves, self.states, self.matrices = [], [], []
         self._known = {}
 
-    def index(self, x, y):
+    def curve(self, x, y):
+        """Place of a curve."""
         key = (tuple(x), tuple(y))
         if key not in self._known:
             row = np.zeros(1, CURVE)[0]
             row["count"], row["x"][: x.size], row["y"][: y.size] = x.size, x, y
-            self._known[key] = len(self.rows)
-            self.rows.append(row)
+            self._known[key] = len(self.curves)
+            self.curves.append(row)
         return self._known[key]
+
+    def state(self, *values):
+        """First place of states that have these values at rest."""
+        self.states.extend(values)
+        return len(self.states) - len(values)
 
 
 def _bodies(vehicle):

@@ -8,9 +8,9 @@ from .figures import GREY
 
 VIEWS = {"side": (0, 2), "above": (0, 1), "behind": (1, 2)}
 REACH = 0.22  # displacement of the farthest point over the height of the picture at rest
-TALL = {"car body": 1.1, "bogie": 0.15}  # half heights of the boxes [m]
-WIDE = {"car body": 1.4, "bogie": 1.0, "wheelset": 0.75}  # half widths [m]
-OVERHANG = {"car body": 1.1, "bogie": 1.15}  # of a box beyond what it stands on
+TALL = {"car body": 1.1, "bogie": 0.15, "hung part": 0.25}  # half heights of the boxes [m]
+WIDE = {"car body": 1.4, "bogie": 1.0, "hung part": 0.45, "wheelset": 0.75}  # half widths [m]
+OVERHANG = {"car body": 1.1, "bogie": 1.15, "hung part": 0.35}  # of a box beyond what it stands on
 
 
 def draw_shapes(figure, modes, shapes, chosen, colours):

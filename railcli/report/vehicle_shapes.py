@@ -15,6 +15,7 @@ HALF_WIDTH, BOGIE_HALF_WIDTH = 1.45, 1.15  # [m]
 BOGIE_HALF_HEIGHT = 0.18  # [m]
 ROOF, FLOOR = 3.7, 1.1  # of a box that carries no other, above the rails [m]
 ALONE = 1.0  # half length of a box that stands on nothing [m]
+PART = 0.35, 0.45, 0.25  # half length, width and height of what belongs to one wheelset: motors, axle boxes [m]
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,10 @@ def shapes(vehicle, tape_circle):
             continue
         below = [other for other in vehicle.bodies if parents.get(other.name) == body.name]
         carried = body.name in parents
+        if carried and (not below or body.y != 0.0):
+            length, width, height = PART
+            found[body.name] = Shape("bogie", _box(-length, length, width), _box_behind(width, -height, height))
+            continue
         overhang = BOGIE_OVERHANG if carried else OVERHANG
         length = max((abs(other.x - body.x) for other in below), default=ALONE - overhang) + overhang
         width = BOGIE_HALF_WIDTH if carried else HALF_WIDTH

@@ -1,13 +1,11 @@
 """Energy of suspended bodies: kept without dampers, only lost with them."""
 
-import naive
 import numpy as np
 import pytest
 import scenes
 import tolerances as tol
 from numpy.testing import assert_allclose
 
-from benchmarks.speed import numpy_twin
 from railcli.analysis.equilibrium import static
 from railcli.model.sections import Gradient, Straight
 from railcli.model.track import Track, constant_track, pack
@@ -18,24 +16,6 @@ def undamped(system):
     element = system.model.element.copy()
     element["c"], element["damper_curve"], element["series"], element["state"] = 0.0, -1, 0.0, -1
     return scenes.tuned(scenes.replaced(system, element=element), damping=0.0)
-
-
-def energy(system, data):
-    """Of motion, weight, springs and, while each wheel has one patch, the elastic half-spaces: 2/5 N d."""
-    model, body = system.model, system.model.body
-    at = numpy_twin.kinematics(model, data.q, data.v)
-    total = 0.5 * np.sum(body["mass"][:, None] * at.velocity**2)
-    total += 0.5 * np.sum(body["inertia"] * data.v[:, 3:] ** 2)
-    total -= model.param["gravity"][0] * np.sum(body["mass"] * at.position[:, 2])
-    for j, joint in enumerate(model.joint):
-        ends = ((at.position[i], at.axes[i]) for i in (joint["lower"], joint["upper"]))
-        total += naive.joint_energy(model, j, *ends, data.damper)
-    if model.wheel.size:
-        patches = numpy_twin.contact(model, at, data.q, data.v)
-        assert (np.count_nonzero(patches.normal, axis=1) <= 1).all()
-        cosine = np.where(patches.normal > 0.0, -patches.force[..., 2] / np.maximum(patches.normal, 1.0), 0.0)
-        total += 0.4 * np.sum(patches.normal * patches.depth * cosine)
-    return total
 
 
 def weightless(wagon, track, step):
@@ -54,10 +34,10 @@ def swinging(system, seed=1):
 
 def course(system, data, seconds, samples):
     """Energy at equal intervals."""
-    found = [energy(system, data)]
+    found = [scenes.energy(system, data)]
     for _ in range(samples):
         scenes.run(system, data, seconds / samples)
-        found.append(energy(system, data))
+        found.append(scenes.energy(system, data))
     return np.array(found)
 
 

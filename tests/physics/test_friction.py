@@ -23,7 +23,8 @@ def element(kind, **values):
     """A record whose ends both lie in the bodies' centres."""
     row = np.zeros(1, ELEMENT)[0]
     row["kind"] = kind
-    row["spring_curve"], row["damper_curve"], row["state"], row["source"] = -1, -1, -1, -1
+    for key in ("spring_curve", "damper_curve", "stiff", "state", "source", "matrix"):
+        row[key] = -1
     for key, value in values.items():
         row[key] = value
     return row

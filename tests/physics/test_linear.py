@@ -33,7 +33,8 @@ def two_masses(wagon, masses, **element):
     body["mass"], body["inertia"] = masses, 1.0
     joint, record = np.zeros(1, JOINT), np.zeros(1, ELEMENT)
     joint["upper"], joint["count"] = 1, 1
-    record["spring_curve"], record["damper_curve"], record["state"], record["source"] = -1, -1, -1, -1
+    for key in ("spring_curve", "damper_curve", "stiff", "state", "source", "matrix"):
+        record[key] = -1
     for key, value in element.items():
         record[key] = value
     system = scenes.replaced(scenes.floating(wagon), body=body, joint=joint, element=record)
@@ -90,7 +91,7 @@ def textbook_scenario(lateral, yaw, speed=20.0):
         name="spring", at=(0.0, 0.0, 0.46), stiffness=(1e9, lateral, 1e8), turn_stiffness=(1e9, 0.0, yaw),
         carries_weight=True,
     )  # fmt: skip
-    joint = Joint(name="suspension", pairs=(("wheelset", "frame"),), bushings=(bushing,))
+    joint = Joint(name="suspension", pairs=(("wheelset", "frame"),), axes="upper", bushings=(bushing,))
     return Scenario(
         name="textbook",
         vehicle=Vehicle(name="textbook", bodies=(frame, wheelset), joints=(joint,)),

@@ -14,7 +14,7 @@ from railcli.kernels import jit
 from railcli.kernels.layout import new_data
 from railcli.kernels.step import advance
 
-STATE = ("q", "v", "dv", "damper", "lag", "clock", "held")
+STATE = ("q", "v", "dv", "damper", "tension", "lag", "clock", "held")
 SCENE = """
 import sys
 import numpy as np

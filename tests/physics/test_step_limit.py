@@ -60,7 +60,8 @@ def pair(wagon):
         joint, element = np.zeros(1, JOINT), np.zeros(1, ELEMENT)
         joint["upper"], joint["count"] = 1, 1
         element["kind"], element["k"][0, 1], element["c"][0, 1] = Kind.BUSHING, stiffness, damping
-        element["spring_curve"], element["damper_curve"], element["state"] = -1, -1, -1
+        for key in ("spring_curve", "damper_curve", "stiff", "state", "source", "matrix"):
+            element[key] = -1
         system = scenes.tuned(scenes.replaced(system, joint=joint, element=element), step=step)
         data = scenes.data_at(system.model, np.zeros((2, 6)), np.zeros((2, 6)))
         data.q[1, 1], data.v[1, 1] = 1e-6, 1e-4

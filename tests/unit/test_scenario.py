@@ -14,7 +14,7 @@ from railcli.files import toml
 from railcli.files.resources import resource
 from railcli.files.scenario import builtin_scenarios, load
 from railcli.kernels.layout import Creep
-from railcli.model import elements, limits, scenario, sections, vehicle
+from railcli.model import air, elements, friction_elements, limits, moments, scenario, sections, tables, vehicle
 from railcli.model.checks import Description
 from railcli.model.submodels import CREEP_LAWS, choose
 
@@ -332,7 +332,7 @@ def test_registry_gives_a_near_name():
 
 
 def descriptions():
-    for module in (scenario, sections, limits, vehicle, elements):
+    for module in (scenario, sections, limits, vehicle, elements, friction_elements, tables, moments, air):
         for item in vars(module).values():
             if isinstance(item, type) and issubclass(item, Description) and item.__module__ == module.__name__:
                 if not item.__name__.startswith("_"):

@@ -6,24 +6,12 @@ import pytest
 import scenes
 import tolerances as tol
 from numpy.testing import assert_allclose
+from pairs import LEVEL, element, forces, moved, pair, poses, somewhere
 from scipy.spatial.transform import Rotation
 
-from railcli.kernels.layout import CURVE, ELEMENT, JOINT, Axes, Kind, new_data
-from railcli.kernels.step import evaluate
-from railcli.model.track import constant_track
+from railcli.kernels.layout import Axes, Kind
 
 AXES = pytest.mark.parametrize("axes", list(Axes), ids=lambda axes: axes.name)
-LEVEL = constant_track(0.0, 0.0)
-
-
-def element(kind, rng, **values):
-    row = np.zeros(1, ELEMENT)[0]
-    row["kind"] = kind
-    row["lower"], row["upper"] = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3)
-    row["spring_curve"], row["damper_curve"], row["state"], row["source"] = -1, -1, -1, -1
-    for key, value in values.items():
-        row[key] = value
-    return row
 
 
 def spring_kinds(rng):
@@ -38,51 +26,15 @@ def spring_kinds(rng):
             Kind.LINK, rng, k=k, length=0.7, preload=(2e3, 0, 0), spring_curve=(1, -1, -1)
         ),
         "damper in series": element(Kind.LINK, rng, c=(1e4, 0, 0), series=1e6, state=0),
+        "matrix": element(Kind.MATRIX, rng, matrix=0, preload=rng.uniform(-1e4, 1e4, 3)),
+        "air spring": element(
+            Kind.AIR, rng, k=k, c=(0, 0, 1e4), dampers=1, series=1e6, reservoir=3e5, state=0, preload=(0, 0, -4e4)
+        ),
+        "torsion spring": element(Kind.TORQUE, rng, lower=(0.36, 0.48, 0.8), k=k, spring_curve=(1, -1, -1)),
     }  # fmt: skip
 
 
 KINDS = tuple(spring_kinds(np.random.default_rng(0)))
-
-
-def pair(wagon, axes, elements, turn=(0.0, 0.0, 0.0)):
-    """Two bodies of unit mass and inertia joined by elements, far from the origin of the ground axes."""
-    curves = np.zeros(2, CURVE)
-    points = [([-0.3, -0.1, 0.1, 0.4], [-5e4, 0, 0, 9e4]), ([-1, 0, 0.2], [-1e3, 0, 4e4])]
-    for row, (x, y) in zip(curves, points, strict=True):
-        row["count"], row["x"][: len(x)], row["y"][: len(y)] = len(x), x, y
-    joint = np.zeros(1, JOINT)
-    joint["upper"], joint["count"], joint["axes"], joint["turn"] = 1, len(elements), axes, turn
-    free = scenes.bodies(wagon, np.ones(2), np.ones((2, 3)), np.zeros(2))
-    free = scenes.replaced(free, joint=joint, element=np.array(elements, ELEMENT).reshape(-1), curve=curves)
-    return scenes.floating(free, LEVEL)
-
-
-def somewhere(rng, angle=0.8):
-    """Coordinates of both bodies, up to a metre and `angle` [rad] from each other."""
-    q = rng.uniform(-0.4, 0.4, (2, 6))
-    q[:, 3:] = rng.uniform(-angle, angle, (2, 3)) / 2
-    q[:, 0] += 5.0
-    return q
-
-
-def forces(system, q, v=None, damper=(0.3,), half_step=0.0):
-    """Force and moment about the centre of both bodies, in ground axes, and the data."""
-    data = new_data(system.model, q, len(damper))
-    data.damper[:] = damper
-    data.v[:] = 0.0 if v is None else v
-    assert evaluate(system.model, data, half_step) == 0
-    return data.frame["force"].copy(), data.frame["moment"].copy(), data
-
-
-def poses(q):
-    return [naive.body_pose(LEVEL, row, 1.5) for row in q]
-
-
-def moved(pose, k, h):
-    """A pose displaced by h along (k < 3) or turned by h about ground axis k - 3."""
-    position, axes = pose
-    step = h * np.eye(3)[k % 3]
-    return (position + step, axes) if k < 3 else (position, Rotation.from_rotvec(step).as_matrix() @ axes)
 
 
 @AXES
@@ -126,6 +78,29 @@ def test_turn_of_a_joint_is_the_slope_of_its_energy(wagon, axes):
         assert not force.any()
 
 
+@pytest.mark.parametrize("spins", [(1, 0), (0, 1)], ids=["wheelset below", "wheelset above"])
+def test_turn_of_an_axle_is_the_slope_of_its_energy(wagon, spins):
+    """Rotational stiffness on a wheelset follows the direction of its axle, and has no moment about it."""
+    rng = np.random.default_rng(4)
+    h = 1e-5
+    system = pair(wagon, Axes.UPPER, [], turn=(1e6, 0.0, 2e5), spins=spins)
+    for angle in (1e-3, 0.3, 1.4):
+        q = somewhere(rng, angle)
+        q[spins.index(1), 4] = 0.0
+        _, moment, data = forces(system, q)
+        for body in (0, 1):
+            energies = [[], []]
+            for k in (3, 4, 5):
+                for side, sign in zip(energies, (1.0, -1.0), strict=True):
+                    at = poses(q)
+                    at[body] = moved(at[body], k, sign * h)
+                    side.append(naive.joint_energy(system.model, 0, *at, ()))
+            slope = np.subtract(*energies) / (2 * h)
+            assert_allclose(moment[body], -slope, atol=tol.ENERGY_SLOPE * np.abs(slope).max())
+        axle = data.frame["axes"][spins.index(1)][:, 1]
+        assert abs(moment[spins.index(1)] @ axle) < tol.ROUNDING * np.abs(moment).max()
+
+
 @AXES
 def test_small_turn_is_linear(wagon, axes):
     """A bar of c N m/rad gives c times a small angle, about the axis of that angle."""
@@ -142,6 +117,8 @@ def everything(rng):
         element(Kind.BUSHING, rng, c=rng.uniform(1e3, 1e4, 3)),
         element(Kind.LINK, rng, c=(2e4, 0, 0)),
         element(Kind.LINK, rng, damper_curve=1),
+        element(Kind.BUSHING, rng, damper_curve=1, dampers=1),
+        element(Kind.TORQUE, rng, lower=(0.6, 0.0, 0.8), c=(2e4, 0, 0), limit=1e3),
     ]
     return [*spring_kinds(rng).values(), *dampers]
 
@@ -191,8 +168,14 @@ def power(data, force, moment):
         {"kind": Kind.BUSHING, "c": (1e4, 2e3, 5e3)},
         {"kind": Kind.LINK, "c": (1e4, 0, 0)},
         {"kind": Kind.LINK, "damper_curve": 1},
+        {"kind": Kind.BUSHING, "damper_curve": 1, "dampers": 1},
+        {"kind": Kind.MATRIX, "matrix": 0},
+        {"kind": Kind.TORQUE, "c": (1e4, 0, 0), "lower": (0.6, 0.0, 0.8)},
+        {"kind": Kind.TORQUE, "damper_curve": 1, "lower": (0.6, 0.0, 0.8)},
+        {"kind": Kind.TORQUE, "limit": 1e4, "lower": (0.6, 0.0, 0.8)},
     ],
-    ids=["bushing", "link", "link with a table"],
+    ids=["bushing", "link", "link with a table", "bushing with tables", "matrix", "torque", "torque with a table",
+         "friction"],
 )
 def test_dampers_only_dissipate(wagon, axes, values):
     """Their power is never positive, at any pose and motion; and one of them always takes some."""
@@ -200,6 +183,7 @@ def test_dampers_only_dissipate(wagon, axes, values):
     taken = []
     for _ in range(50):
         system = pair(wagon, axes, [element(rng=rng, **values)])
+        system = scenes.replaced(system, matrix=system.model.matrix * np.repeat([0.0, 1.0], 6)[:, None])
         force, moment, data = forces(system, somewhere(rng), rng.uniform(-2, 2, (2, 6)))
         taken.append(power(data, force, moment))
     assert max(taken) < 0.0
@@ -211,12 +195,12 @@ def test_damper_in_series_only_dissipates(wagon, law):
     rng = np.random.default_rng(12)
     h = 1e-6
     for _ in range(20):
-        values = {"c": (1e4, 0, 0), "series": 1e6, "state": 0, "damper_curve": -1}
+        values = {"c": (1e4, 0, 0), "series": 1e6, "state": 0}
         system = pair(wagon, Axes.MEAN, [element(Kind.LINK, rng, **values)])
         if law == "table":
             curve = system.model.curve.copy()
             curve[0]["x"][:4], curve[0]["y"][:4] = (-2, 0, 1, 5), (-1e5, 0, 1e5, 2e5)
-            system = scenes.edited(scenes.replaced(system, curve=curve), "element", damper_curve=0)
+            system = scenes.edited(scenes.replaced(system, curve=curve), "element", damper_curve=(0, -1, -1))
         q, v = somewhere(rng), rng.uniform(-2, 2, (2, 6))
         force, moment, data = forces(system, q, v)
 

@@ -37,8 +37,8 @@ static inline vec link_force(const struct model *model, struct data *data, const
     if (e->spring_curve[0] >= 0) tension += read_curve(&model->curve[e->spring_curve[0]], stretch, &slope);
     if (e->state >= 0) {
         double trial = e->series * (length - data->damper[e->state]);
-        if (e->damper_curve >= 0) {
-            rate = read_curve(&model->curve[e->damper_curve], trial, &slope);
+        if (e->damper_curve[0] >= 0) {
+            rate = read_curve(&model->curve[e->damper_curve[0]], trial, &slope);
         } else {
             slope = 1.0 / e->c[0];
             rate = trial * slope;
@@ -46,8 +46,8 @@ static inline vec link_force(const struct model *model, struct data *data, const
         rate /= 1.0 + half_step * slope * e->series;
         tension += trial - half_step * rate * e->series;
         data->damper_rate[e->state] = rate;
-    } else if (e->damper_curve >= 0) {
-        tension += read_curve(&model->curve[e->damper_curve], dot(along, gap_rate), &slope);
+    } else if (e->damper_curve[0] >= 0) {
+        tension += read_curve(&model->curve[e->damper_curve[0]], dot(along, gap_rate), &slope);
     } else {
         tension += e->c[0] * dot(along, gap_rate);
     }
