@@ -233,24 +233,24 @@ class OneStep:
                 split = model.joint[[j, j]]
                 split["first"], split["count"] = (first, e + 1), (e - first, first + count - e - 1)
                 split["turn"][1] = 0.0
-                yield self.system.elements[e], self._without(model, joint=_spliced(model.joint, j, split))
+                yield self.system.elements[e], _without(model, joint=_spliced(model.joint, j, split))
             if joint["turn"].any():
                 soft = model.joint[j : j + 1].copy()
                 soft["turn"] = 0.0
-                yield f"turn stiffness of {self.system.joints[j]}", self._without(
+                yield f"turn stiffness of {self.system.joints[j]}", _without(
                     model, joint=_spliced(model.joint, j, soft)
                 )
         for k in range(0, model.wheel.size, 2):
             wheel = model.wheel.copy()
             wheel["radius"][k : k + 2] -= LIFTED
-            yield f"W{k // 2 + 1} on its rails", self._without(model, wheel=wheel)
+            yield f"W{k // 2 + 1} on its rails", _without(model, wheel=wheel)
         param = model.param.copy()
         param["hold"] = 0.0
-        yield "the force that holds the speed", self._without(model, param=param)
+        yield "the force that holds the speed", _without(model, param=param)
 
-    @staticmethod
-    def _without(model, **arrays):
-        return freeze(model._replace(**arrays))
+
+def _without(model, **arrays):
+    return freeze(model._replace(**arrays))
 
 
 def _spliced(array, place, rows):
@@ -266,8 +266,8 @@ def _excess(value, step):
 def aside(motion, number, known):
     """The lesser of a known StepLimit and that of one wheelset at all lateral places to both sides.
 
-    The rest of the vehicle stays where it is; at each place the wheelset takes the height and the roll at which its
-    rails carry what they carry in the middle, until they press it back with PRESSED.
+    It is pushed at its axle: at each place it takes the height and the roll at which its rails carry what they carry in
+    the middle, until they press it back with PRESSED. What joins it to the vehicle is as stiff as in the middle.
 
     Parameters
     ----------
@@ -280,19 +280,22 @@ def aside(motion, number, known):
     i, wheels = motion.system.wheelsets[number], slice(2 * number, 2 * number + 2)
     mass = np.r_[np.full(3, model.body[i]["mass"]), model.body[i]["inertia"]][CROSSWISE]
     alike = bool((model.wheel[wheels][["radius", "table"]] == model.wheel[wheels][0][["radius", "table"]]).all())
+    whole, model = model, _without(model, joint=model.joint[:0])
+    motion.place()
+    joined = _local(whole, data, i, mass) - _local(model, data, i, mass)
+    carried = data.load[i, [2, 3]].copy()
     for side in (1.0,) if alike else (1.0, -1.0):
         motion.place()
         for y in np.arange(0.0, OUTERMOST, PLACES):
             data.q[i, 1] = side * y
-            if not _seat(model, data, i):
+            if not _seat(model, data, i, carried):
                 break
             load = data.rail["q"][wheels].sum()
             if abs(data.rail["y"][wheels].sum()) > PRESSED[0] + PRESSED[1] * load:
                 break
             words = "in the middle" if y == 0.0 else f"{1e3 * y:.1f} mm to the {'right' if side > 0 else 'left'}"
             right, left = data.rail["patches"][wheels].astype(int)
-            stiffness, damping = _local(model, data, i, mass)
-            step = by_rule(stiffness, damping, known.stable)
+            step = by_rule(*(joined + _local(model, data, i, mass)), known.stable)
             if step < known.stable:
                 touching = f"{right} {'patch' if right == 1 else 'patches'} right and {left} left"
                 known = StepLimit(step, f"W{number + 1} on its rails {words}, on {touching}")
@@ -300,12 +303,12 @@ def aside(motion, number, known):
     return known
 
 
-def _seat(model, data, i):
-    """Put wheelset i on its rails where it stands: no vertical force, no roll moment is left. False if it cannot be."""
+def _seat(model, data, i, carried):
+    """Put wheelset i on its rails where it stands, with this vertical load and roll moment. False if it cannot be."""
     for _ in range(TRIES):
         if evaluate(model, data, 0.0):
             return False
-        left = data.load[i, [2, 3]].copy()
+        left = data.load[i, [2, 3]] - carried
         if np.abs(left).max() < SEATED:
             return True
         slopes = np.empty((2, 2))
@@ -316,7 +319,7 @@ def _seat(model, data, i):
             data.q[i, k] = rest
             if status:
                 return False
-            slopes[:, column] = (data.load[i, [2, 3]] - left) / (0.1 * STATE["q"])
+            slopes[:, column] = (data.load[i, [2, 3]] - carried - left) / (0.1 * STATE["q"])
         if abs(np.linalg.det(slopes)) == 0.0:
             return False
         data.q[i, [2, 3]] += np.clip(np.linalg.solve(slopes, -left), -SINK, SINK)
@@ -324,7 +327,7 @@ def _seat(model, data, i):
 
 
 def _local(model, data, i, mass):
-    """Stiffness and damping without creep of wheelset i over CROSSWISE, symmetric parts over the mass, (4, 4)."""
+    """Stiffness and damping without creep of wheelset i over CROSSWISE, symmetric parts over the mass, (2, 4, 4)."""
     matrices = []
     for name in ("q", "v"):
         array, size, columns = getattr(data, name), STATE[name], []
@@ -340,7 +343,7 @@ def _local(model, data, i, mass):
     evaluate(model, data, 0.0)
     matrices[1] -= data.creep_damping[i][np.ix_(CROSSWISE, CROSSWISE)]
     root = np.sqrt(mass)
-    return [0.5 * (matrix + matrix.T) / root / root[:, None] for matrix in matrices]
+    return np.array([0.5 * (matrix + matrix.T) / root / root[:, None] for matrix in matrices])
 
 
 def by_rule(stiffness, damping, high):
