@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railcli.errors import SimulationError
-from railcli.kernels.layout import NO_SHIFT, freeze
+from railcli.kernels.layout import NO_SHIFT, Kind, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.track import constant_track, pack
 
@@ -23,6 +23,7 @@ FLOOR = 1e-7  # nor a shorter one [s]
 ACCURACY = 1.01  # ratio within which a limit is found
 STATE = {"q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7}  # arrays of the state, difference steps
 SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0}  # of each in one mode, so that eigenvectors are well scaled
+FORCE = 1.0, 1e6  # both for states that are forces [N]
 ROUNDING = 1e-4  # by which differences may lift the magnitude of an eigenvalue over 1
 GROWTH = 50.0  # fastest growth of an oscillation that belongs to the vehicle and not to the step [1/s]
 PLACES = 0.1e-3  # between two lateral places of a wheelset [m]
@@ -82,26 +83,23 @@ def step_limit(system, speeds=()):
 
 
 def stiffest(system):
-    """The system on ideal straight level track, with a line of its steepest slope for each table of an element.
-
-    A damper's table in series with a stiffness gives rate over force: the stiffest is the least slope.
-    """
+    """The system on ideal straight level track, with a line of its steepest slope for each spring and damper table."""
     element, rows = system.model.element.copy(), [system.model.curve]
 
-    def line(number, slope):
+    def line(number):
         if number < 0:
             return number
         curve = system.model.curve[number]
         x, y = curve["x"][: curve["count"]], curve["y"][: curve["count"]]
         row = np.zeros(1, curve.dtype)
-        row["count"], row["x"][0, 1], row["y"][0, 1] = 2, 1.0, slope(np.diff(y) / np.diff(x))
+        row["count"], row["x"][0, 1], row["y"][0, 1] = 2, 1.0, np.max(np.diff(y) / np.diff(x))
         rows.append(row)
         return sum(map(len, rows)) - 1
 
     for one in element:
-        for axis in range(3):
-            one["spring_curve"][axis] = line(one["spring_curve"][axis], np.max)
-        one["damper_curve"] = line(one["damper_curve"], np.min if one["state"] >= 0 else np.max)
+        if one["kind"] in (Kind.BUSHING, Kind.LINK):
+            one["spring_curve"] = [line(number) for number in one["spring_curve"]]
+            one["damper_curve"] = line(one["damper_curve"])
     track = pack(constant_track(0.0, 0.0))
     return _with(system, element=element, curve=np.concatenate(rows), track=track, shift=NO_SHIFT)
 
@@ -130,6 +128,9 @@ class OneStep:
         self.rest = self._state()
         each = [array.size for array in self.arrays]
         self.probe, self.size = np.repeat(list(STATE.values()), each), np.repeat(list(SIZE.values()), each)
+        leaves = system.model.element["state"][system.model.element["kind"] == Kind.LEAF]
+        forces = self.rest.size - each[-1] + leaves + 1  # states that are forces and not lengths
+        self.probe[forces], self.size[forces] = FORCE
         n = self.data.q.shape[0]
         self.behind = 6 * np.arange(1, n)  # arc lengths, which count from that of the first body
         ignored = [0, *(6 * np.flatnonzero(self.system.model.body["spins"]) + 4)]  # nothing depends on them
