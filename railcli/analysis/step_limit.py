@@ -24,6 +24,7 @@ ACCURACY = 1.01  # ratio within which a limit is found
 STATE = {"q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7}  # arrays of the state, difference steps
 SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0}  # of each in one mode, so that eigenvectors are well scaled
 FORCE = 1.0, 1e6  # both for states that are forces [N]
+SMALL = 0.1  # of the limit of dry friction: what a difference step may load it with
 ROUNDING = 1e-4  # by which differences may lift the magnitude of an eigenvalue over 1
 GROWTH = 50.0  # fastest growth of an oscillation that belongs to the vehicle and not to the step [1/s]
 PLACES = 0.1e-3  # between two lateral places of a wheelset [m]
@@ -66,7 +67,7 @@ def step_limit(system, speeds=()):
     ----------
     system : System
     speeds : sequence of float
-        Lowest and highest speed of the run [m/s]; the system's own when there are none.
+        Lowest and highest speed of the run [m/s], in this order; the system's own when there are none.
 
     Returns
     -------
@@ -76,7 +77,7 @@ def step_limit(system, speeds=()):
     limit = StepLimit(CEILING, "nothing in the model")
     motions = [OneStep(system, speed) for speed in dict.fromkeys(speeds or (system.speed,))]
     for k in range(len(system.wheelsets)):
-        limit = aside(motions[0], k, limit)
+        limit = aside(motions[-1], k, limit)
     for motion in motions:
         limit = motion.limit(limit)
     return limit
@@ -131,6 +132,7 @@ class OneStep:
         leaves = system.model.element["state"][system.model.element["kind"] == Kind.LEAF]
         forces = self.rest.size - each[-1] + leaves + 1  # states that are forces and not lengths
         self.probe[forces], self.size[forces] = FORCE
+        self.probe *= self._sticking()
         n = self.data.q.shape[0]
         self.behind = 6 * np.arange(1, n)  # arc lengths, which count from that of the first body
         ignored = [0, *(6 * np.flatnonzero(self.system.model.body["spins"]) + 4)]  # nothing depends on them
@@ -139,13 +141,24 @@ class OneStep:
     def _state(self):
         return np.concatenate([array.ravel() for array in self.arrays])
 
+    def _sticking(self):
+        """Share of the difference steps within which dry friction does not slide."""
+        share, element = 1.0, self.system.model.element
+        evaluate(self.system.model, self.data, 0.0)
+        for one in element[np.isin(element["kind"], (Kind.DRY, Kind.DRY_LINK))]:
+            load = self.data.carried[one["source"]] if one["source"] >= 0 else 0.0
+            limit = one["limit"] + one["coefficient"] * max(load, 0.0)
+            if limit > 0.0:
+                share = min(share, SMALL * limit / (one["series"] * STATE["q"]))
+        return share
+
     def place(self, change=0.0):
         """Put the vehicle into its state at rest plus a change."""
         state, first = self.rest + change, 0
         for array in self.arrays:
             array.flat = state[first : first + array.size]
             first += array.size
-        self.data.clock[0] = 0.0
+        self.data.clock[0] = self.data.held[0] = 0.0
 
     def _after(self, model, change):
         """State one step after that at rest plus a change."""

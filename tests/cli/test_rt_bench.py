@@ -135,7 +135,7 @@ def test_missed_budget_is_a_result_not_an_error(bench, monkeypatch):
         (["--step", "2"], "--budget: must be a multiple of the step, got 1 ms with a step of 2 ms"),
         (["--budget", "0"], "--budget: must be above 0"),
         (["--budget", "inf"], "--budget: must be above 0"),
-        (["--budget", "1.25"], "--budget: must be a multiple of the step"),
+        (["--step", "0.5", "--budget", "1.25"], "--budget: must be a multiple of the step"),
         (["--budget", "2000", "--duration", "2000"], "--budget: is longer than the part of short that is timed"),
         (["--duration", "0.5"], "--duration: must be from 1 s (1,000 calls of 1 ms) to 10000 s"),
         (["--duration", "nan"], "--duration: must be from 1 s"),
