@@ -22,6 +22,7 @@ from click.testing import CliRunner  # noqa: E402
 from railcli.cli import main as railcli  # noqa: E402
 from railcli.files.scenario import builtin_scenarios  # noqa: E402
 
+SMALL = 0.01  # of its limit: what no one looks at
 STEADY = {"lateral_mm": "mm", "Y_kN": "kN", "Q_kN": "kN"}
 
 
@@ -52,9 +53,13 @@ def assessed(one, other):
     figures = [record.get("assessment", {}).get("figures") for record in (one, other)]
     if not all(figures):
         return None
-    values = [{figure["id"]: figure["value"] for figure in some if figure.get("value")} for some in figures]
+    values = [{key: one["value"] for key, one in some.items() if _counts(**one)} for some in figures]
     common = values[0].keys() & values[1].keys()
     return max(((abs(values[0][key] / values[1][key] - 1.0), key) for key in common), default=None)
+
+
+def _counts(value, limit, **_):
+    return bool(value) and value > SMALL * (limit or 0.0)
 
 
 def main():

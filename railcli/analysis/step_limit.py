@@ -14,6 +14,7 @@ from railcli.kernels.layout import NO_SHIFT, Kind, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.track import constant_track, pack
 
+from .equilibrium import set_down
 from .faults import sentence
 from .simulate import settled_start
 
@@ -30,9 +31,6 @@ GROWTH = 50.0  # fastest growth of an oscillation that belongs to the vehicle an
 PLACES = 0.1e-3  # between two lateral places of a wheelset [m]
 OUTERMOST = 20e-3  # where the last one is at most [m]
 PRESSED = 10e3, 1.0 / 3.0  # up to which sum Y it is pressed: 10 kN and a third of its load, the limit of EN 14363
-SEATED = 10.0  # force and moment left when a wheelset has been put on its rails [N, N m]
-SINK = 0.2e-3  # largest move of one iteration of that [m, rad]
-TRIES = 30
 SECOND = 0.5  # of the share of the first part in a growing disturbance, from which a second one is named
 LIFTED = 5e-3  # by which wheels off their rails are smaller [m]
 CROSSWISE = [1, 2, 3, 5]  # y, z, roll, yaw
@@ -302,7 +300,7 @@ def aside(motion, number, known):
         motion.place()
         for y in np.arange(0.0, OUTERMOST, PLACES):
             data.q[i, 1] = side * y
-            if not _seat(model, data, i, carried):
+            if not set_down(model, data, i, carried):
                 break
             load = data.rail["q"][wheels].sum()
             if abs(data.rail["y"][wheels].sum()) > PRESSED[0] + PRESSED[1] * load:
@@ -315,29 +313,6 @@ def aside(motion, number, known):
                 known = StepLimit(step, f"W{number + 1} on its rails {words}, on {touching}")
     motion.place()
     return known
-
-
-def _seat(model, data, i, carried):
-    """Put wheelset i on its rails where it stands, with this vertical load and roll moment. False if it cannot be."""
-    for _ in range(TRIES):
-        if evaluate(model, data, 0.0):
-            return False
-        left = data.load[i, [2, 3]] - carried
-        if np.abs(left).max() < SEATED:
-            return True
-        slopes = np.empty((2, 2))
-        for column, k in enumerate((2, 3)):
-            rest = data.q[i, k]
-            data.q[i, k] = rest + 0.1 * STATE["q"]
-            status = evaluate(model, data, 0.0)
-            data.q[i, k] = rest
-            if status:
-                return False
-            slopes[:, column] = (data.load[i, [2, 3]] - carried - left) / (0.1 * STATE["q"])
-        if abs(np.linalg.det(slopes)) == 0.0:
-            return False
-        data.q[i, [2, 3]] += np.clip(np.linalg.solve(slopes, -left), -SINK, SINK)
-    return False
 
 
 def _local(model, data, i, mass):
