@@ -347,4 +347,5 @@ STEP_ROOT = 1e-6  # of the eigenvalue -1: a simple root of a cubic
 STEP_FOUND = 1.06  # share of the limit at which 3 s decide: a disturbance beyond it grows by 0.7 % in each step
 STEP_QUIET = 1e-4  # change of a wheel force within a step at the end of a quiet run, relative
 STEP_FLANGE = 0.03  # tables with other steps meet the place of three patches with other depths
+STEP_PRINTED = 0.02  # limits are printed with three digits, rounded down
 STEP_MASS = 0.03  # the damping of the contacts, 2 s/m, does not scale with the root of the mass

@@ -26,6 +26,10 @@ PLACE_ROUNDING = 8.0 * np.finfo(float).eps  # of a sum of some coordinates, by t
 ITERATIONS = 60
 SETTLING = 12.0  # time in the curve after which a run serves as a first guess [s]
 RUN_IN = 60.0  # lengths of straight and of transition before it [m]
+HEIGHT_AND_ROLL = [2, 3]  # coordinates of a wheelset
+SEATED = 10.0  # force and moment that may be left when a wheelset has been set down [N, N m]
+SINK = 0.2e-3  # largest move of one iteration of that [m, rad]
+TRIES = 30
 PRESSED = 0.1e-3  # penetration to begin with [m]
 SHORTEST_STRIDE = 1e-3  # of the way from straight track to the curve
 
@@ -176,6 +180,46 @@ def seat(model, right):
     wheels = model.wheel[right : right + 2]
     heights = [touching_depth(model, right + k) - wheels[k]["radius"] for k in (0, 1)]
     return 0.5 * sum(heights), np.arcsin(0.5 * (heights[0] - heights[1]) / wheels[0]["lateral"])
+
+
+def set_down(model, data, i, carried):
+    """Put a wheelset on its rails at its lateral place: they carry a load there.
+
+    Parameters
+    ----------
+    model : Model
+        Without joints.
+    data : Data
+        Its heights and rolls are first guesses; those of the wheelset move.
+    i : int
+        Of its body.
+    carried : array (2,)
+        Vertical force and roll moment that are left when the rails do [N, N m].
+
+    Returns
+    -------
+    bool
+        False if it cannot stand there.
+    """
+    for _ in range(TRIES):
+        if evaluate(model, data, 0.0):
+            return False
+        left = data.load[i, HEIGHT_AND_ROLL] - carried
+        if np.abs(left).max() < SEATED:
+            return True
+        slopes = np.empty((2, 2))
+        for column, k in enumerate(HEIGHT_AND_ROLL):
+            rest = data.q[i, k]
+            data.q[i, k] = rest + PROBE
+            status = evaluate(model, data, 0.0)
+            data.q[i, k] = rest
+            if status:
+                return False
+            slopes[:, column] = (data.load[i, HEIGHT_AND_ROLL] - carried - left) / (PROBE)
+        if np.linalg.det(slopes) == 0.0:
+            return False
+        data.q[i, HEIGHT_AND_ROLL] += np.clip(np.linalg.solve(slopes, -left), -SINK, SINK)
+    return False
 
 
 def touching_depth(model, index=0):

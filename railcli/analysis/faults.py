@@ -11,7 +11,7 @@ FINER = 4  # a fault is followed once more at the step over this
 BEYOND = 0.5  # time for which it must stay away beyond the moment at which it came [s]
 
 _WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS, Status.LEFT_SHIFT)
-_ENDS = (Status.OK, Status.LEFT_TRACK, Status.LEFT_SHIFT)  # the way ended; the motion did not fail
+_ENDS = (Status.OK, Status.LEFT_TRACK, Status.LEFT_SHIFT)  # the way may end; the motion does not fail
 
 
 def wheel_name(system, wheel):
@@ -65,12 +65,11 @@ def verdict(system, data, status, kept):
     kept : Data
         A state from before the fault; it moves.
     """
-    if status in _ENDS:
-        return sentence(system, data, status)
     since, step = float(kept.clock[0]), float(system.model.param[0]["step"])
     finer = step / FINER
     time = float(data.clock[0]) - since + BEYOND
-    if advance(system.stepped(finer).model, kept, math.ceil(time / finer)) not in _ENDS:
+    again = advance(system.stepped(finer).model, kept, math.ceil(time / finer))
+    if again == status or again not in _ENDS:
         return sentence(system, data, status)
     return (
         f"{_when(data)}: numerically unstable, use step_ms <= {finer * 1e3:.4g}; at {step * 1e3:.4g} ms the motion "

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railcli.kernels.layout import new_rows
-from railcli.kernels.step import record
+from railcli.kernels.layout import NO_SHIFT, freeze, new_rows
+from railcli.kernels.step import evaluate, record
+from railcli.model.track import constant_track, pack
 
-from .equilibrium import static
+from .equilibrium import HEIGHT_AND_ROLL, set_down, static
 from .faults import copied, verdict
 
 BLOCK = 50  # rows between two returns to Python, at most
@@ -52,6 +53,8 @@ class Outcome:
 def settled_start(system, lateral=0.0):
     """Data of the vehicle rolling at its speed, in static equilibrium but for a lateral shift of all bodies [m].
 
+    Wheelsets stand on their rails there.
+
     Dampers and dry friction carry nothing: the vehicle was not pushed about before.
     """
     rest = static(system).data
@@ -60,7 +63,24 @@ def settled_start(system, lateral=0.0):
     data.q[:, 2:] = rest.q[:, 2:]
     data.q[:, 1] = rest.q[:, 1] + lateral
     data.damper[:] = rest.damper
+    if lateral:
+        _set_down(system, data, lateral)
     return data
+
+
+def _set_down(system, data, lateral):
+    """Let the rails carry each wheelset where it stands aside as they do in the middle; where they cannot, leave it."""
+    track = pack(constant_track(0.0, 0.0))
+    model = freeze(system.model._replace(joint=system.model.joint[:0], track=track, shift=NO_SHIFT))
+    for i in system.wheelsets:
+        before = data.q[i].copy()
+        data.q[i, 1] = before[1] - lateral
+        if evaluate(model, data, 0.0) == 0:
+            carried = data.load[i, HEIGHT_AND_ROLL].copy()
+            data.q[i, 1] = before[1]
+            if set_down(model, data, i, carried):
+                continue
+        data.q[i] = before
 
 
 def simulate(scenario, system, sink, progress=None):

@@ -36,7 +36,7 @@ def with_step(scenario, system, speeds=(), interval=None):
     system : System
         The scenario assembled.
     speeds : sequence of float
-        Lowest and highest speed of the run [m/s]; the scenario's own when there are none.
+        Lowest and highest speed of the run [m/s]; those of the scenario when there are none.
     interval : float, optional
         What has to be a whole number of chosen steps [s]; the output interval when absent.
 
@@ -49,6 +49,8 @@ def with_step(scenario, system, speeds=(), interval=None):
     InputError
         The given step is longer than the model bears.
     """
+    if not speeds and scenario.run.course is not None:
+        speeds = min(scenario.run.course.speed), max(scenario.run.course.speed)
     limit = step_limit(system, speeds)
     given = scenario.run.step
     if given is not None:

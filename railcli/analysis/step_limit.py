@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railcli.errors import SimulationError
-from railcli.kernels.layout import NO_SHIFT, freeze
+from railcli.kernels.layout import NO_SHIFT, Kind, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.track import constant_track, pack
 
+from .equilibrium import set_down
 from .faults import sentence
 from .simulate import settled_start
 
@@ -22,15 +23,14 @@ CEILING = 2.4e-3  # a longer step is not looked for [s]
 FLOOR = 1e-7  # nor a shorter one [s]
 ACCURACY = 1.01  # ratio within which a limit is found
 STATE = {"q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7, "tension": 1.0}  # arrays of the state, difference steps
-SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0, "tension": 1e7}  # of each in one mode: well-scaled eigenvectors
+SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0, "tension": 1e7}  # of each in one mode
+FORCE = 1.0, 1e6  # both for states that are forces [N]
+SMALL = 0.1  # of the limit of dry friction: what a difference step may load it with
 ROUNDING = 1e-4  # by which differences may lift the magnitude of an eigenvalue over 1
 GROWTH = 50.0  # fastest growth of an oscillation that belongs to the vehicle and not to the step [1/s]
 PLACES = 0.1e-3  # between two lateral places of a wheelset [m]
 OUTERMOST = 20e-3  # where the last one is at most [m]
 PRESSED = 10e3, 1.0 / 3.0  # up to which sum Y it is pressed: 10 kN and a third of its load, the limit of EN 14363
-SEATED = 10.0  # force and moment left when a wheelset has been put on its rails [N, N m]
-SINK = 0.2e-3  # largest move of one iteration of that [m, rad]
-TRIES = 30
 SECOND = 0.5  # of the share of the first part in a growing disturbance, from which a second one is named
 LIFTED = 5e-3  # by which wheels off their rails are smaller [m]
 CROSSWISE = [1, 2, 3, 5]  # y, z, roll, yaw
@@ -65,7 +65,7 @@ def step_limit(system, speeds=()):
     ----------
     system : System
     speeds : sequence of float
-        Lowest and highest speed of the run [m/s]; the system's own when there are none.
+        Lowest and highest speed of the run [m/s], in this order; the system's own when there are none.
 
     Returns
     -------
@@ -75,14 +75,14 @@ def step_limit(system, speeds=()):
     limit = StepLimit(CEILING, "nothing in the model")
     motions = [OneStep(system, speed) for speed in dict.fromkeys(speeds or (system.speed,))]
     for k in range(len(system.wheelsets)):
-        limit = aside(motions[0], k, limit)
+        limit = aside(motions[-1], k, limit)
     for motion in motions:
         limit = motion.limit(limit)
     return limit
 
 
 def stiffest(system):
-    """The system on ideal straight level track, with a line of its steepest slope for each table of an element."""
+    """The system on ideal straight level track, with a line of its steepest slope for each spring and damper table."""
     element, rows = system.model.element.copy(), [system.model.curve]
 
     def line(number):
@@ -91,14 +91,14 @@ def stiffest(system):
         curve = system.model.curve[number]
         x, y = curve["x"][: curve["count"]], curve["y"][: curve["count"]]
         row = np.zeros(1, curve.dtype)
-        row["count"], row["x"][0, 1], row["y"][0, 1] = 2, 1.0, (np.diff(y) / np.diff(x)).max()
+        row["count"], row["x"][0, 1], row["y"][0, 1] = 2, 1.0, np.max(np.diff(y) / np.diff(x))
         rows.append(row)
         return sum(map(len, rows)) - 1
 
     for one in element:
-        for axis in range(3):
-            one["spring_curve"][axis] = line(one["spring_curve"][axis])
-            one["damper_curve"][axis] = line(one["damper_curve"][axis])
+        if one["kind"] in (Kind.BUSHING, Kind.LINK):
+            one["spring_curve"] = [line(number) for number in one["spring_curve"]]
+            one["damper_curve"] = [line(number) for number in one["damper_curve"]]
     track = pack(constant_track(0.0, 0.0))
     return _with(system, element=element, curve=np.concatenate(rows), track=track, shift=NO_SHIFT)
 
@@ -135,6 +135,11 @@ class OneStep:
         self.rest = self._state()
         each = [array.size for array in self.arrays]
         self.probe, self.size = np.repeat(list(STATE.values()), each), np.repeat(list(SIZE.values()), each)
+        leaves = system.model.element["state"][system.model.element["kind"] == Kind.LEAF]
+        before = sum(each[: list(STATE).index("damper")])
+        forces = before + leaves + 1  # states that are forces and not lengths
+        self.probe[forces], self.size[forces] = FORCE
+        self.probe *= self._sticking()
         n = self.data.q.shape[0]
         self.behind = 6 * np.arange(1, n)  # arc lengths, which count from that of the first body
         ignored = [0, *(6 * np.flatnonzero(self.system.model.body["spins"]) + 4)]  # nothing depends on them
@@ -143,13 +148,25 @@ class OneStep:
     def _state(self):
         return np.concatenate([array.ravel() for array in self.arrays])
 
+    def _sticking(self):
+        """Share of the difference steps within which dry friction does not slide."""
+        share, element = 1.0, self.system.model.element
+        evaluate(self.system.model, self.data, 0.0)
+        for one in element[np.isin(element["kind"], (Kind.DRY, Kind.DRY_LINK))]:
+            load = self.data.carried[one["source"]] if one["source"] >= 0 else 0.0
+            limit = one["limit"] + one["coefficient"] * max(load, 0.0)
+            if limit > 0.0:
+                share = min(share, SMALL * limit / (one["series"] * STATE["q"]))
+        return share
+
     def place(self, change=0.0):
         """Put the vehicle into its state at rest plus a change."""
         state, first = self.rest + change, 0
         for array in self.arrays:
             array.flat = state[first : first + array.size]
             first += array.size
-        self.data.clock[0] = 0.0
+        self.data.clock[0] = self.data.held[0] = 0.0
+        self.data.lag[:] = 0.0
 
     def _after(self, model, change):
         """State one step after that at rest plus a change."""
@@ -238,24 +255,24 @@ class OneStep:
                 split = model.joint[[j, j]]
                 split["first"], split["count"] = (first, e + 1), (e - first, first + count - e - 1)
                 split["turn"][1] = 0.0
-                yield self.system.elements[e], self._without(model, joint=_spliced(model.joint, j, split))
+                yield self.system.elements[e], _without(model, joint=_spliced(model.joint, j, split))
             if joint["turn"].any():
                 soft = model.joint[j : j + 1].copy()
                 soft["turn"] = 0.0
-                yield f"turn stiffness of {self.system.joints[j]}", self._without(
+                yield f"turn stiffness of {self.system.joints[j]}", _without(
                     model, joint=_spliced(model.joint, j, soft)
                 )
         for k in range(0, model.wheel.size, 2):
             wheel = model.wheel.copy()
             wheel["radius"][k : k + 2] -= LIFTED
-            yield f"W{k // 2 + 1} on its rails", self._without(model, wheel=wheel)
+            yield f"W{k // 2 + 1} on its rails", _without(model, wheel=wheel)
         param = model.param.copy()
         param["hold"] = 0.0
-        yield "the force that holds the speed", self._without(model, param=param)
+        yield "the force that holds the speed", _without(model, param=param)
 
-    @staticmethod
-    def _without(model, **arrays):
-        return freeze(model._replace(**arrays))
+
+def _without(model, **arrays):
+    return freeze(model._replace(**arrays))
 
 
 def _spliced(array, place, rows):
@@ -271,8 +288,8 @@ def _excess(value, step):
 def aside(motion, number, known):
     """The lesser of a known StepLimit and that of one wheelset at all lateral places to both sides.
 
-    The rest of the vehicle stays where it is; at each place the wheelset takes the height and the roll at which its
-    rails carry what they carry in the middle, until they press it back with PRESSED.
+    It is pushed at its axle: at each place it takes the height and the roll at which its rails carry what they carry in
+    the middle, until they press it back with PRESSED. What joins it to the vehicle is as stiff as in the middle.
 
     Parameters
     ----------
@@ -285,19 +302,22 @@ def aside(motion, number, known):
     i, wheels = motion.system.wheelsets[number], slice(2 * number, 2 * number + 2)
     mass = np.r_[np.full(3, model.body[i]["mass"]), model.body[i]["inertia"]][CROSSWISE]
     alike = bool((model.wheel[wheels][["radius", "table"]] == model.wheel[wheels][0][["radius", "table"]]).all())
+    whole, model = model, _without(model, joint=model.joint[:0])
+    motion.place()
+    joined = _local(whole, data, i, mass) - _local(model, data, i, mass)
+    carried = data.load[i, [2, 3]].copy()
     for side in (1.0,) if alike else (1.0, -1.0):
         motion.place()
         for y in np.arange(0.0, OUTERMOST, PLACES):
             data.q[i, 1] = side * y
-            if not _seat(model, data, i):
+            if not set_down(model, data, i, carried):
                 break
             load = data.rail["q"][wheels].sum()
             if abs(data.rail["y"][wheels].sum()) > PRESSED[0] + PRESSED[1] * load:
                 break
             words = "in the middle" if y == 0.0 else f"{1e3 * y:.1f} mm to the {'right' if side > 0 else 'left'}"
             right, left = data.rail["patches"][wheels].astype(int)
-            stiffness, damping = _local(model, data, i, mass)
-            step = by_rule(stiffness, damping, known.stable)
+            step = by_rule(*(joined + _local(model, data, i, mass)), known.stable)
             if step < known.stable:
                 touching = f"{right} {'patch' if right == 1 else 'patches'} right and {left} left"
                 known = StepLimit(step, f"W{number + 1} on its rails {words}, on {touching}")
@@ -305,31 +325,8 @@ def aside(motion, number, known):
     return known
 
 
-def _seat(model, data, i):
-    """Put wheelset i on its rails where it stands: no vertical force, no roll moment is left. False if it cannot be."""
-    for _ in range(TRIES):
-        if evaluate(model, data, 0.0):
-            return False
-        left = data.load[i, [2, 3]].copy()
-        if np.abs(left).max() < SEATED:
-            return True
-        slopes = np.empty((2, 2))
-        for column, k in enumerate((2, 3)):
-            rest = data.q[i, k]
-            data.q[i, k] = rest + 0.1 * STATE["q"]
-            status = evaluate(model, data, 0.0)
-            data.q[i, k] = rest
-            if status:
-                return False
-            slopes[:, column] = (data.load[i, [2, 3]] - left) / (0.1 * STATE["q"])
-        if abs(np.linalg.det(slopes)) == 0.0:
-            return False
-        data.q[i, [2, 3]] += np.clip(np.linalg.solve(slopes, -left), -SINK, SINK)
-    return False
-
-
 def _local(model, data, i, mass):
-    """Stiffness and damping without creep of wheelset i over CROSSWISE, symmetric parts over the mass, (4, 4)."""
+    """Stiffness and damping without creep of wheelset i over CROSSWISE, symmetric parts over the mass, (2, 4, 4)."""
     matrices = []
     for name in ("q", "v"):
         array, size, columns = getattr(data, name), STATE[name], []
@@ -345,7 +342,7 @@ def _local(model, data, i, mass):
     evaluate(model, data, 0.0)
     matrices[1] -= data.creep_damping[i][np.ix_(CROSSWISE, CROSSWISE)]
     root = np.sqrt(mass)
-    return [0.5 * (matrix + matrix.T) / root / root[:, None] for matrix in matrices]
+    return np.array([0.5 * (matrix + matrix.T) / root / root[:, None] for matrix in matrices])
 
 
 def by_rule(stiffness, damping, high):

@@ -501,7 +501,7 @@ def remembered(model, data, w, j, step, speed, way, slip_x, slip_t):
     fade = 1.0 - speed / SLOW
     long_x, long_t = fade * fade * contact["f11"] / spring, fade * fade * contact["f22"] / spring
     per_speed = 1.0 / max(speed, model.param[0]["creep_speed"])
-    last_x, last_t, nearest = per_speed * slip_x, per_speed * slip_t, SAME_PATCH
+    last_x, last_t, nearest = 0.0, 0.0, SAME_PATCH
     for k in range(MAX_CONTACT):
         away = abs(lag[k, 2] - contact["lateral"])
         if lag[k, 3] > 0.0 and away < nearest:

@@ -80,7 +80,7 @@ def test_json_is_what_the_file_holds_and_its_numbers_fit_together(bench, tmp_pat
     assert list(found["stages_us"]) == STAGES
     assert found["real_time_factor"] > 0.0
     assert found["over_budget_share"] == found["over_budget"] / found["calls"]
-    assert (found["calls"], found["steps_per_call"], found["step_ms"], found["budget_ms"]) == (3000, 2, 0.5, 1.0)
+    assert (found["calls"], found["steps_per_call"], found["step_ms"], found["budget_ms"]) == (3000, 1, 1.0, 1.0)
     assert found["rewinds"] == 2 and found["lap_s"] < 1.5  # 60 m at 45 m/s less the vehicle's half
     assert sum(found["kept_state"]["patches"]) >= 8
     with open(folder / "histogram.csv", newline="", encoding="utf-8") as file:
@@ -135,7 +135,7 @@ def test_missed_budget_is_a_result_not_an_error(bench, monkeypatch):
         (["--step", "2"], "--budget: must be a multiple of the step, got 1 ms with a step of 2 ms"),
         (["--budget", "0"], "--budget: must be above 0"),
         (["--budget", "inf"], "--budget: must be above 0"),
-        (["--budget", "1.25"], "--budget: must be a multiple of the step"),
+        (["--step", "0.5", "--budget", "1.25"], "--budget: must be a multiple of the step"),
         (["--budget", "2000", "--duration", "2000"], "--budget: is longer than the part of short that is timed"),
         (["--duration", "0.5"], "--duration: must be from 1 s (1,000 calls of 1 ms) to 10000 s"),
         (["--duration", "nan"], "--duration: must be from 1 s"),
