@@ -244,6 +244,8 @@ BENCH_HEIGHT = 5e-6  # [m] what roll adds to where a yawed wheel touches, at 11 
 
 # --- Linear analysis ---
 EIGENVALUE = 1e-9  # relative: forces are linear, rounded at 1e-16 of 1 m over steps of 1e-7 m; measured 3e-11
+BAND_RMS = 2e-3  # of a sine: 1e-3 is the tenth that the band-pass lets through of a harmonic; its ends
+CYCLE_RMS = 0.03  # largest of windows of 7.4 periods: 1 / (2 omega T) = 1.1 %; spectra of 4 and 5 s move the band
 BLOCKED = 1e-8  # relative: the same, and bodies of 32 t on rounded heights; measured 1.2e-9
 BLOCKED_PLANE = 5e-6  # relative: rounding under springs of 1e9 N/m; a nearly critically damped pitch 2.4e-6
 HALF_A_DIGIT = 0.51  # of a unit of the last digit printed

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from railcli.analysis.equilibrium import steady  # noqa: E402
+from railcli.analysis.faults import copied  # noqa: E402
 from railcli.analysis.linear import linear_about  # noqa: E402
 from railcli.errors import SimulationError  # noqa: E402
 from railcli.files.scenario import load  # noqa: E402
@@ -138,7 +139,7 @@ def against_newton(case, tables=None):
         data.q[:, 0] -= data.q[0, 0]
         data.v[:] = solved.v
         data.damper[:] = solved.damper
-        value = np.linalg.eigvals(linear_about(system, _copy(data), case.speed, curved=True).matrix)
+        value = np.linalg.eigvals(linear_about(system, copied(data), case.speed, curved=True).matrix)
         most = value[value.real.argmax()]
         growth, at = float(most.real), abs(float(most.imag)) / (2.0 * np.pi)
         data.q[1:, 5] += TURNED
@@ -148,10 +149,6 @@ def against_newton(case, tables=None):
     count = len(system.wheelsets)
     return Found(float(apart[:count].max()), float(apart[count:].max()), swing, alternation, frequency, growth, at,
                  float(data.q[0, 0]), fault)  # fmt: skip
-
-
-def _copy(data):
-    return type(data)(*(array.copy() for array in data))
 
 
 def _seen(system, q, rail):

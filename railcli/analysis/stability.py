@@ -9,18 +9,23 @@ from scipy.optimize import brentq
 from railcli.errors import SimulationError
 from railcli.kernels.layout import new_rows
 from railcli.kernels.step import record
+from railcli.model.vehicle import static_wheel_loads
 
+from . import indices
 from .faults import copied, verdict
 from .linear import linearise, modes, on_straight, roots
 from .mode_shapes import describe
 from .simulate import settled_start
 
+USUAL = 3e-3  # amplitude for which conicity is usually stated, and here the linear critical speed [m]
 ACCURACY = 0.01  # of a linear critical speed [m/s]
 WINDOW = 4.0  # over which an amplitude is taken [s]
 SAMPLE = 2.5e-3  # interval at which it is [s]
 MOST_WINDOWS = 50  # at one speed
 STEADY = 0.01  # relative change from window to window of a limit cycle
 DEAD = 0.1e-3  # lateral amplitude that is no hunting unless a caller says otherwise [m]
+AROUND, LOWEST = 2.0, 0.4  # band of the rms of sum Y, on both sides of its dominant frequency, but not below [Hz]
+EDGE = 0.5  # at both ends of a window, in which the band-pass settles [s]
 ROOM = 200.0  # of straight track beyond what a window needs [m]
 
 
@@ -107,6 +112,8 @@ class Cycle:
         Half the lateral peak-to-peak of each wheelset over the last WINDOW [m].
     frequency : float
         Of the wheelset with the largest one [Hz]; NaN without oscillation.
+    sum_y_rms : array (n_wheelset,)
+        Rms of each wheelset's lateral force on the rails within 2 Hz of its dominant frequency [N].
     time : float
         Run at this speed [s].
     settled : bool
@@ -118,6 +125,7 @@ class Cycle:
     speed: float
     amplitude: np.ndarray
     frequency: float
+    sum_y_rms: np.ndarray
     time: float
     settled: bool
     hunts: bool
@@ -127,12 +135,41 @@ class Cycle:
         return float(self.amplitude.max())
 
 
-def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD):
-    """Limit cycles while the speed falls from a large disturbance, then the speed at which they end.
+@dataclass(frozen=True)
+class Measures:
+    """What is asked of a limit cycle beside whether it lives.
+
+    Attributes
+    ----------
+    counted : float
+        Lateral amplitude of the widest wheelset from which on a cycle counts [m].
+    limit : array (n_wheelset,)
+        Of the rms of sum Y [N].
+    """
+
+    counted: float
+    limit: np.ndarray
+
+    @classmethod
+    def of(cls, scenario, counted, limits):
+        """Limit of sum Y of a scenario's wheelsets after an assessment's `Limits`: a share of that of sum Y itself."""
+        loads = static_wheel_loads(scenario.vehicle, scenario.run.gravity, scenario.contact.tape_circle).sum(axis=1)
+        return cls(counted, limits.stability_share * indices.prudhomme(loads, limits.sum_y_factor))
+
+    def counts(self, cycle):
+        return cycle.hunts and cycle.largest >= self.counted
+
+    def breaks(self, cycle):
+        """Whether the rms of sum Y is at its limit or beyond."""
+        return cycle.hunts and bool((cycle.sum_y_rms >= self.limit).any())
+
+
+def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD, measures=None):
+    """Limit cycles while the speed falls from a large disturbance, then the speeds at which they end.
 
     Segments of constant speed, each begun with the state in which the one before ended. Where the hunting has died, the
     last speed at which it lived is approached from its own state by halving, as the branch of large amplitudes may
-    reach far below the linear critical speed.
+    reach far below the linear critical speed. In the same way the speeds are closed in at which cycles cease to count.
 
     Parameters
     ----------
@@ -143,14 +180,16 @@ def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD):
     lateral : float
         Displacement of all bodies at the beginning [m].
     resolution : float
-        Of the speed at which it ends [m/s].
+        Of the speeds at which something ends [m/s].
     threshold : float
         Lateral amplitude of the widest wheelset up to which it does not hunt [m].
+    measures : Measures, optional
+        What else is to be closed in.
 
     Yields
     ------
     Cycle
-        As they are found; `end_of_hunting` reads the result off them.
+        As they are found; `end_of` reads the results off them.
 
     Raises
     ------
@@ -162,43 +201,39 @@ def ramp(system, start, step, lowest, lateral, resolution, threshold=DEAD):
     data = settled_start(there, lateral)
     cycle = _settle(there, data, threshold)
     yield cycle
-    if not cycle.hunts:
-        return
-    high, state = start, copied(data)
-    while True:
-        if high - step < lowest:
-            return
-        cycle, data = _continued(system, length, (high, state), high - step, threshold)
+    cycles, states = [cycle], {start: data}
+    while cycle.hunts and cycle.speed - step >= lowest:
+        cycle, data = _continued(system, length, states, cycle.speed, cycle.speed - step, threshold)
+        cycles.append(cycle)
+        states[cycle.speed] = data
         yield cycle
-        if not cycle.hunts:
-            break
-        high, state = cycle.speed, data
-    low = cycle.speed
-    while high - low > resolution:
-        cycle, data = _continued(system, length, (high, state), 0.5 * (high + low), threshold)
-        yield cycle
-        if cycle.hunts:
-            high, state = cycle.speed, data
-        else:
-            low = cycle.speed
+    for passes in (hunts, measures.counts, measures.breaks) if measures else (hunts,):
+        low, high = end_of(cycles, passes)
+        while high - low > resolution:
+            cycle, data = _continued(system, length, states, high, 0.5 * (high + low), threshold)
+            cycles.append(cycle)
+            states[cycle.speed] = data
+            yield cycle
+            low, high = end_of(cycles, passes)
 
 
-def _continued(system, length, alive, speed, threshold):
-    """Limit cycle at another speed, begun with a speed and its state; and the state in which it ends."""
-    before, state = alive
-    data = copied(state)
+def _continued(system, length, states, before, speed, threshold):
+    """Limit cycle at a speed, begun with the state of another one; and the state in which it ends."""
+    data = copied(states[before])
     data.v[:, 0] *= speed / before
     data.v[list(system.wheelsets), 4] *= speed / before
     return _settle(on_straight(system, length, speed=speed), data, threshold), data
 
 
-def end_of_hunting(cycles):
-    """Highest speed without and lowest with hunting above it [m/s]; NaN where there is none."""
-    cycles = sorted(cycles, key=lambda cycle: cycle.speed)
-    dead = [cycle.speed for cycle in cycles if not cycle.hunts]
-    below = max(dead, default=math.nan)
-    alive = [cycle.speed for cycle in cycles if cycle.hunts and not cycle.speed < below]
-    return below, min(alive, default=math.nan)
+def hunts(cycle):
+    return cycle.hunts
+
+
+def end_of(cycles, passes=hunts):
+    """Highest speed at which a cycle does not pass and lowest above it at which one does [m/s]; NaN where none is."""
+    below = max((cycle.speed for cycle in cycles if not passes(cycle)), default=math.nan)
+    above = min((cycle.speed for cycle in cycles if passes(cycle) and not cycle.speed < below), default=math.nan)
+    return below, above
 
 
 def _settle(system, data, threshold):
@@ -222,10 +257,26 @@ def _settle(system, data, threshold):
             break
         before = amplitude.max()
     widest = lateral[:, int(np.argmax(amplitude))]
+    sum_y = rows.rail["y"].reshape(len(rows.time), -1, 2).sum(axis=2)
+    interval = stride * step
     return Cycle(
-        system.speed, amplitude, _frequency(widest, stride * step), time, bool(settled),
-        bool(amplitude.max() > threshold),
+        system.speed, amplitude, _frequency(widest, interval), _rms_around_peak(sum_y, 1.0 / interval), time,
+        bool(settled), bool(amplitude.max() > threshold),
     )  # fmt: skip
+
+
+def _rms_around_peak(sum_y, rate):
+    """Rms of signals (n, m) within AROUND of the dominant frequency of each, as the assessment has it over 100 m.
+
+    A limit cycle repeats, so that a window of WINDOW gives what 100 m would.
+    """
+    edge = round(EDGE * rate)
+    found = np.zeros(sum_y.shape[1])
+    for k, signal in enumerate(sum_y.T):
+        peak = indices.dominant_frequency(signal, rate)
+        low, high = indices.HUNTING if math.isnan(peak) else (max(peak - AROUND, LOWEST), peak + AROUND)
+        found[k] = indices.root_mean_square(indices.filtered(signal, rate, low, high)[edge:-edge])
+    return found
 
 
 def _frequency(signal, interval):

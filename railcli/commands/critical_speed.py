@@ -1,6 +1,7 @@
 """`railcli critical-speed`: where a vehicle begins to hunt, and where it ceases to."""
 
 import re
+from pathlib import Path
 
 import click
 
@@ -42,24 +43,31 @@ def speed_span(text):
 )  # fmt: skip
 @click.option(
     "--resolution", type=click.FloatRange(0.05, 10.0), default=0.5, show_default=True, metavar="M/S",
-    help="Of the speed at which the hunting ends.",
+    help="Of the speeds at which hunting ends, ceases to count and keeps the limit of sum Y.",
 )  # fmt: skip
 @click.option(
     "--threshold", type=click.FloatRange(0.02, 10.0), default=0.1, show_default=True, metavar="MM",
     help="Lateral amplitude up to which a wheelset does not hunt.",
 )  # fmt: skip
+@click.option(
+    "--counts", type=click.FloatRange(0.02, 20.0), default=1.0, show_default=True, metavar="MM",
+    help="Lateral amplitude of a wheelset from which on a limit cycle counts.",
+)  # fmt: skip
+@click.option("--limits", type=click.Path(path_type=Path), metavar="FILE",
+              help="TOML file with other limits, as of railcli assess (sum_Y_factor, stability_share).")  # fmt: skip
 @click.option("--no-ramp", is_flag=True, help="Linear part only.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @results_options
 def critical_speed(
-    scenario, amplitude, speeds, start, resolution, threshold, no_ramp, no_figures, output_format, output, overwrite,
-    quiet,
+    scenario, amplitude, speeds, start, resolution, threshold, counts, limits, no_ramp, no_figures, output_format,
+    output, overwrite, quiet,
 ):  # fmt: skip
     """Critical speed of a vehicle on straight level track, linear and non-linear.
 
     Linear: roots over speed with quasi-linear contact, for each lateral amplitude. Non-linear: time runs of the
-    compiled model whose speed falls step by step from a limit cycle until the hunting dies. Writes
-    critical_speed.json, linear.csv, root_locus.csv, limit_cycles.csv and figures.
+    compiled model whose speed falls step by step from a limit cycle until the hunting dies. Tells where the smallest
+    limit cycle ends, where one that counts does, where sum Y passes the limit of its rms (EN 14363), and the linear
+    speed at 3 mm. Writes critical_speed.json, linear.csv, root_locus.csv, limit_cycles.csv and figures.
 
     \b
     Examples:
@@ -68,17 +76,27 @@ def critical_speed(
       railcli critical-speed straight-60 --from 140 -o hunting
     """
     one_thread()
+    from railcli.analysis.stability import USUAL, Measures
     from railcli.analysis.warm import warm
+    from railcli.files.limits import load_limits
     from railcli.files.output import json_text, results_folder, write_json, write_text
     from railcli.files.provenance import provenance
     from railcli.files.tables import tables_for
+    from railcli.model.assessment import Limits
 
     def announce(text):
         if not quiet:
             click.echo(text, err=True)
 
-    wanted, span = amplitudes(amplitude), speed_span(speeds)
+    if counts < threshold:
+        raise click.BadParameter(
+            f"{counts:g} mm is below the {threshold:g} mm up to which nothing hunts (--threshold); give at least that",
+            param_hint="'--counts'",
+        )
+    wanted, span = sorted({*amplitudes(amplitude), 1e3 * USUAL}), speed_span(speeds)
+    bounds = load_limits(limits) if limits else Limits()
     case = scenario_of(scenario, DEFAULT_SCENARIO)
+    measures = Measures.of(case, 1e-3 * counts, bounds)
     with results_folder("critical-speed", case.name, output, overwrite) as folder:
         warm(announce)
         tables = () if no_ramp else tables_for(case, quiet, announce)
@@ -90,7 +108,8 @@ def critical_speed(
         cycles, interrupted, fault = [], False, None
         if not no_ramp:
             begin = start or report.start_of_ramp(loci, span, ABOVE)
-            interrupted, fault = _ramp(case, tables, begin, span, (resolution, 1e-3 * threshold), cycles, quiet)
+            ends = resolution, 1e-3 * threshold, measures
+            interrupted, fault = _ramp(case, tables, begin, span, ends, cycles, quiet)
         written = ["critical_speed.json", "linear.csv", "root_locus.csv"]
         write_text(folder / "linear.csv", report.linear_csv(lines, loci))
         write_text(folder / "root_locus.csv", report.locus_csv(loci))
@@ -98,8 +117,10 @@ def critical_speed(
             written.append("limit_cycles.csv")
             write_text(folder / "limit_cycles.csv", report.cycles_csv(cycles))
         if not no_figures:
-            written += report.figures(case, loci, cycles, folder)
-        record = report.as_json(case, lines, loci, cycles, 1e-3 * threshold, provenance(case, tables), written)
+            written += report.figures(case, loci, cycles, measures, folder)
+        record = report.as_json(
+            case, lines, loci, cycles, 1e-3 * threshold, measures, provenance(case, tables), written
+        )  # fmt: skip
         record["folder"] = folder
         write_json(folder / "critical_speed.json", record)
     if interrupted:
@@ -107,7 +128,7 @@ def critical_speed(
     if output_format == "json":
         click.echo(json_text(record))
     else:
-        text = report.report(case, lines, loci, cycles, not no_ramp)
+        text = report.report(case, lines, loci, cycles, measures, not no_ramp)
         click.echo("\n".join([*text, "", f"Written to {folder}: {', '.join(written)}"]))
     if fault:
         raise fault
@@ -138,7 +159,7 @@ def _linear(case, lines, span, quiet):
     return loci
 
 
-def _ramp(case, tables, start, span, limits, cycles, quiet):
+def _ramp(case, tables, start, span, ends, cycles, quiet):
     """Gather limit cycles; returns whether Ctrl-C stopped it and what fault did."""
     from railcli.analysis.stability import ramp
     from railcli.analysis.step_choice import with_step
@@ -150,7 +171,7 @@ def _ramp(case, tables, start, span, limits, cycles, quiet):
     system = with_step(case, assemble(case, tables), (low, start)).system
     try:
         with Progress("Limit cycles", start - low, "m/s", quiet) as progress:
-            for cycle in ramp(system, start, step, low, case.start.lateral or ASIDE, *limits):
+            for cycle in ramp(system, start, step, low, case.start.lateral or ASIDE, *ends):
                 cycles.append(cycle)
                 progress.update(start - cycle.speed, f"{cycle.speed:g} m/s, {cycle.largest * 1e3:.2f} mm")
     except KeyboardInterrupt:

@@ -1,16 +1,23 @@
 """Critical speed for readers: tables, JSON, CSV, root locus and bifurcation diagram."""
 
 import math
+from textwrap import wrap
 
 import numpy as np
 
-from railcli.analysis.stability import end_of_hunting
+from railcli.analysis.stability import USUAL, end_of, hunts
 
 from .figures import GREY, SERIES, VERMILION, draw
 from .text import columns
 
 TOP = 15.0  # of the root locus [Hz]
 SHOWN = (-12.0, 6.0)  # real parts in it [1/s]
+WIDTH = 118  # of the text
+READING = (
+    "Below the first speed every swing dies; a cycle of tenths of a millimetre, as may begin there, does no harm; "
+    "running safety after EN 14363 ends where sum Y passes its limit; the linear speed says where a swing of {:g} mm "
+    "would begin to grow if creep had no limit."
+)
 
 
 def start_of_ramp(loci, span, above):
@@ -31,7 +38,7 @@ def critical_text(locus):
     return f"< {locus.speeds[0]:g}" if locus.critical == 0.0 else f"{locus.critical:.1f}"
 
 
-def report(scenario, lines, loci, cycles, ramped):
+def report(scenario, lines, loci, cycles, measures, ramped):
     """Lines for the terminal.
 
     Parameters
@@ -42,9 +49,14 @@ def report(scenario, lines, loci, cycles, ramped):
     loci : list of Locus or None
         None where the swing reaches the flange.
     cycles : list of Cycle
+    measures : Measures
     ramped : bool
     """
-    text = [f"{scenario.name}: {scenario.vehicle.name} on straight level track, friction {scenario.contact.friction:g}"]
+    contact = scenario.contact
+    text = [
+        f"{scenario.name}: {scenario.vehicle.name} on straight level track, friction {contact.friction:g}, "
+        f"creep law {contact.creep_law}"
+    ]
     rows = []
     for line, locus in zip(lines, loci, strict=True):
         first = line[0]
@@ -64,21 +76,24 @@ def report(scenario, lines, loci, cycles, ramped):
     units = ("mm", "-", "-", "1/mm", "mrad/mm", "m/s", "km/h", "Hz", "m", "mode at its limit")
     text += ["", "Linear, with quasi-linear contact over a swing of one amplitude:", *columns([units, *rows], header)]
     if ramped:
-        text += ["", *cycles_text(scenario, cycles)]
+        text += ["", *cycles_text(cycles)]
+        if cycles:
+            text += ["", *speeds_text(loci, cycles, measures)]
     return text
 
 
-def cycles_text(scenario, cycles):
+def cycles_text(cycles):
     """Lines of the bifurcation table and where the hunting ends."""
     count = cycles[0].amplitude.size if cycles else 0
-    header = ("speed", *(f"W{k + 1}" for k in range(count)), "f", "wave", "")
-    rows = [("m/s", *["mm"] * count, "Hz", "m", "")]
+    header = ("speed", *(f"W{k + 1}" for k in range(count)), "sum Y", "f", "wave", "")
+    rows = [("m/s", *["mm"] * count, "kN rms", "Hz", "m", "")]
     for cycle in sorted(cycles, key=lambda cycle: -cycle.speed):
         moves = cycle.hunts and math.isfinite(cycle.frequency)
         remark = "" if cycle.settled else f"still changing after {cycle.time:g} s"
         rows.append(
             (
                 f"{cycle.speed:.2f}", *(f"{value * 1e3:.2f}" for value in cycle.amplitude),
+                f"{1e-3 * cycle.sum_y_rms.max():.2f}" if cycle.hunts else "-",
                 f"{cycle.frequency:.2f}" if moves else "-", f"{cycle.speed / cycle.frequency:.1f}" if moves else "-",
                 "no hunting" if not cycle.hunts else remark,
             )
@@ -90,25 +105,89 @@ def cycles_text(scenario, cycles):
 
 def verdict(cycles):
     """Where the hunting ends, in a sentence."""
-    below, above = end_of_hunting(cycles)
+    below, above = end_of(cycles)
     if not cycles:
         return "No limit cycle was computed."
     if math.isnan(above):
         return f"No hunting: the disturbance dies at {below:g} m/s already; begin at a higher speed (--from)."
     if math.isnan(below):
         return f"Hunting lasts down to {above:g} m/s, the lowest speed asked for (--speeds)."
+    smallest = next(cycle for cycle in cycles if cycle.speed == above)
     return (
-        f"Non-linear critical speed {above:.2f} m/s ({3.6 * above:.0f} km/h): hunting lasts there and has died at "
-        f"{below:.2f} m/s"
+        f"Hunting lasts at {above:.2f} m/s ({3.6 * above:.0f} km/h), by {1e3 * smallest.largest:.2f} mm, and has died "
+        f"at {below:.2f} m/s."
     )
 
 
-def as_json(scenario, lines, loci, cycles, threshold, provenance, files):
+def linear_speed(loci):
+    """Linear critical speed at the USUAL amplitude in words, and the locus; None where a swing reaches the flange."""
+    locus = next((one for one in loci if one is not None and math.isclose(one.amplitude, USUAL)), None)
+    return critical_text(locus), locus
+
+
+def speeds_text(loci, cycles, measures):
+    """Lines of the critical speeds, each for what is meant by the word."""
+    top = max(cycle.speed for cycle in cycles)
+    at = {cycle.speed: cycle for cycle in cycles}
+    rows, remarks = [], []
+    for name, passes in (
+        ("smallest limit cycle", hunts),
+        (f"limit cycle of {1e3 * measures.counted:g} mm", measures.counts),
+        (f"sum Y, rms at its limit of {1e-3 * measures.limit.min():.1f} kN", measures.breaks),
+    ):
+        below, above = end_of(cycles, passes)
+        if math.isnan(above):
+            rows.append((name, f"> {top:g}", f"> {3.6 * top:.0f}"))
+            remarks.append("not up to the speed from which the ramp fell (--from)")
+            continue
+        rows.append((name, f"{above:.2f}", f"{3.6 * above:.0f}"))
+        lasts = "still there at the lowest speed" if math.isnan(below) else f"no more at {below:.2f} m/s"
+        cycle = at[above]
+        remarks.append(f"{1e3 * cycle.largest:.2f} mm, {1e-3 * cycle.sum_y_rms.max():.1f} kN; {lasts}")
+    text, locus = linear_speed(loci)
+    known = locus is not None and locus.critical > 0.0
+    rows.append((f"linear, swing of {1e3 * USUAL:g} mm", text, f"{3.6 * locus.critical:.0f}" if known else "-"))
+    remarks.append(locus.mode if known else "")
+    table = columns([("", "m/s", "km/h"), *rows])
+    lines = [f"{line}  {remark}".rstrip() for line, remark in zip(table, ["", *remarks], strict=True)]
+    reading = wrap(READING.format(1e3 * USUAL), WIDTH, initial_indent="  ", subsequent_indent="  ")
+    return ["Critical speed, by what is meant:", *lines, *reading]
+
+
+def speeds_json(loci, cycles, measures):
+    """As `speeds_text`; a speed is null where the ramp did not meet it."""
+    at = {cycle.speed: cycle for cycle in cycles}
+    found = {}
+    for name, passes in (("smallest", hunts), ("counted", measures.counts), ("limit", measures.breaks)):
+        below, above = end_of(cycles, passes)
+        cycle = at.get(above)
+        found[name] = {
+            "lives_m_per_s": above,
+            "died_m_per_s": below,
+            "amplitude_mm": 1e3 * cycle.largest if cycle else None,
+            "sum_Y_rms_kN": 1e-3 * cycle.sum_y_rms.max() if cycle else None,
+        }
+    text, locus = linear_speed(loci)
+    known = locus is not None and locus.critical > 0.0
+    return {
+        "smallest_cycle": found["smallest"],
+        "counted_cycle": {**found["counted"], "counted_from_mm": 1e3 * measures.counted},
+        "sum_Y_rms": {**found["limit"], "limit_kN": 1e-3 * measures.limit},
+        "linear": {
+            "amplitude_mm": 1e3 * USUAL, "critical_m_per_s": locus.critical if known else None, "critical": text
+        },
+        "reading": READING.format(1e3 * USUAL),
+    }  # fmt: skip
+
+
+def as_json(scenario, lines, loci, cycles, threshold, measures, provenance, files):
     """Everything, for a machine; units in the names."""
-    below, above = end_of_hunting(cycles)
+    below, above = end_of(cycles)
     return {
         "scenario": scenario.name,
         "vehicle": scenario.vehicle.name,
+        "friction": scenario.contact.friction,
+        "creep_law": scenario.contact.creep_law,
         "linear": [
             {
                 "contact": [one.as_dict() for one in line],
@@ -125,6 +204,7 @@ def as_json(scenario, lines, loci, cycles, threshold, provenance, files):
                 "speed_m_per_s": cycle.speed,
                 "amplitude_mm": cycle.amplitude * 1e3,
                 "frequency_hz": cycle.frequency,
+                "sum_Y_rms_kN": 1e-3 * cycle.sum_y_rms,
                 "time_s": cycle.time,
                 "settled": cycle.settled,
                 "hunts": cycle.hunts,
@@ -133,6 +213,7 @@ def as_json(scenario, lines, loci, cycles, threshold, provenance, files):
         ],
         "threshold_mm": threshold * 1e3,
         "hunting_ends": {"lives_m_per_s": above, "died_m_per_s": below},
+        "critical_speeds": speeds_json(loci, cycles, measures) if cycles else None,
         "verdict": verdict(cycles) if cycles else "",
         "files": files,
         "provenance": provenance,
@@ -172,15 +253,18 @@ def locus_csv(loci):
 def cycles_csv(cycles):
     """Amplitudes over speed."""
     count = cycles[0].amplitude.size
-    rows = [",".join(["speed_m_per_s", *(f"W{k + 1}_mm" for k in range(count)), "frequency_hz", "time_s", "settled"])]
+    names = [f"W{k + 1}" for k in range(count)]
+    places, forces = [f"{name}_mm" for name in names], [f"{name}_sum_Y_rms_kN" for name in names]
+    rows = [",".join(["speed_m_per_s", *places, "frequency_hz", "time_s", "settled", *forces])]
     for cycle in sorted(cycles, key=lambda cycle: -cycle.speed):
         values = [f"{value * 1e3:.5f}" for value in cycle.amplitude]
         ends = [f"{cycle.frequency:.5f}", f"{cycle.time:g}", str(int(cycle.settled))]
-        rows.append(",".join([f"{cycle.speed:g}", *values, *ends]))
+        forces = [f"{value * 1e-3:.4f}" for value in cycle.sum_y_rms]
+        rows.append(",".join([f"{cycle.speed:g}", *values, *ends, *forces]))
     return "\n".join(rows) + "\n"
 
 
-def figures(scenario, loci, cycles, folder):
+def figures(scenario, loci, cycles, measures, folder):
     """Draw root loci and bifurcation diagram; returns the names of the files."""
     found = [locus for locus in loci if locus is not None]
     names = []
@@ -188,7 +272,10 @@ def figures(scenario, loci, cycles, folder):
         draw(lambda figure: _root_locus(figure, scenario, found), folder / "root_locus.png", (10.0, 4.8))
         names.append("root_locus.png")
     if cycles or any(locus.critical > 0.0 for locus in found):
-        draw(lambda figure: _bifurcation(figure, scenario, found, cycles), folder / "bifurcation.png", (9.0, 5.2))
+        draw(
+            lambda figure: _bifurcation(figure, scenario, found, cycles, measures),
+            folder / "bifurcation.png", (9.0, 5.2),
+        )  # fmt: skip
         names.append("bifurcation.png")
     return names
 
@@ -219,7 +306,7 @@ def _root_locus(figure, scenario, loci):
     growth.legend(title="amplitude", loc="upper left")
 
 
-def _bifurcation(figure, scenario, loci, cycles):
+def _bifurcation(figure, scenario, loci, cycles, measures):
     """Amplitude of the limit cycles over speed, with the linear critical speed of each amplitude."""
     axis = figure.subplots()
     linear = [(locus.critical, locus.amplitude * 1e3) for locus in loci if locus.critical > 0.0]
@@ -237,12 +324,16 @@ def _bifurcation(figure, scenario, loci, cycles):
             )  # fmt: skip
     if dead:
         axis.plot(dead, [0.0] * len(dead), "x", color=VERMILION, label="no hunting", clip_on=False, zorder=3)
-    if cycles:
-        _, above = end_of_hunting(cycles)
+    for words, passes in (
+        ("hunting ends", hunts),
+        (f"{1e3 * measures.counted:g} mm", measures.counts),
+        ("sum Y at its limit", measures.breaks),
+    ):
+        _, above = end_of(cycles, passes)
         if math.isfinite(above):
             axis.axvline(above, color=VERMILION, linewidth=0.8, linestyle=":")
             axis.annotate(
-                f"hunting ends: {above:.1f} m/s", (above, 0.97), xycoords=("data", "axes fraction"), fontsize=8,
+                f"{words}: {above:.1f} m/s", (above, 0.97), xycoords=("data", "axes fraction"), fontsize=8,
                 rotation=90, ha="right", va="top", color=VERMILION,
             )  # fmt: skip
     axis.set_ylim(bottom=0.0)

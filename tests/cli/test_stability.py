@@ -104,6 +104,12 @@ def test_ramp_that_finds_no_hunting(scenario, tmp_path):
     with open(out / "limit_cycles.csv", newline="") as file:
         (row,) = csv.DictReader(file)
     assert float(row["speed_m_per_s"]) == 30.0 and float(row["W1_mm"]) < 0.1
+    assert "linear, swing of 3 mm" in result.stdout and "Below the first speed every swing dies" in result.stdout
+    speeds = json.loads((out / "critical_speed.json").read_text())["critical_speeds"]
+    for name in ("smallest_cycle", "counted_cycle", "sum_Y_rms"):
+        assert speeds[name]["lives_m_per_s"] is None and speeds[name]["died_m_per_s"] == 30.0
+    assert speeds["counted_cycle"]["counted_from_mm"] == 1.0 and speeds["linear"]["critical"] == "> 40"
+    assert speeds["sum_Y_rms"]["limit_kN"] == pytest.approx([23.182] * 4, abs=1e-3)
 
 
 def test_ctrl_c_keeps_the_cycles_so_far(scenario, tmp_path, monkeypatch):
@@ -133,6 +139,8 @@ def test_ctrl_c_keeps_the_cycles_so_far(scenario, tmp_path, monkeypatch):
         (["critical-speed", "--speeds", "80-20:5"], "10-150:5"),
         (["critical-speed", "--amplitude", "3,x"], "2,3,4.5"),
         (["critical-speed", "--from", "900"], "--from"),
+        (["critical-speed", "--counts", "0.05"], "--threshold"),
+        (["critical-speed", "--limits", "none.toml"], "none.toml"),
     ],
 )
 def test_bad_input_is_one_line(arguments, word, tmp_path):

@@ -6,7 +6,6 @@ import tolerances as tol
 from numpy.testing import assert_allclose
 
 from railcli.analysis.quasi_linear import PATCH, QuasiLinear, harmonics, linear_table
-from railcli.analysis.stability import Cycle, _frequency, end_of_hunting
 from railcli.kernels.contact import enter, look_up
 from railcli.kernels.layout import NODE_CHANNELS, SAMPLE_ROWS, Node
 from railcli.model.contact_table import TableSettings
@@ -72,18 +71,3 @@ def test_slopes_in_the_table_are_those_of_its_distance():
         slope = np.moveaxis(node[..., channel], axis, 0)
         rise = np.diff(np.moveaxis(gap, axis, 0), axis=0) / record[step]
         assert_allclose(0.5 * (slope[1:] + slope[:-1]), rise, atol=tol.DESCRIBING)
-
-
-def test_frequency_of_a_sine():
-    t = np.arange(0.0, 4.0, 2.5e-3)
-    assert _frequency(1.3 + 2e-3 * np.sin(2 * np.pi * 5.37 * t + 0.4), 2.5e-3) == pytest.approx(5.37, rel=tol.SINE)
-    assert np.isnan(_frequency(np.exp(-t), 2.5e-3))
-
-
-def test_end_of_hunting_ignores_what_died_above_it():
-    """Hunting that is born again at a lower speed: the end is that of the branch at high speed."""
-    cycles = [Cycle(v, np.array([1e-3]), 5.0, 4.0, True, alive) for v, alive in
-              ((80.0, True), (70.0, True), (60.0, False), (50.0, True))]  # fmt: skip
-    assert end_of_hunting(cycles) == (60.0, 70.0)
-    assert end_of_hunting(cycles[2:3])[0] == 60.0 and np.isnan(end_of_hunting(cycles[2:3])[1])
-    assert np.isnan(end_of_hunting([])).all()
