@@ -105,11 +105,13 @@ def critical_speed(
 
         from railcli.report import stability as report  # only now: drawing libraries take half a second to load
 
-        cycles, interrupted, fault = [], False, None
+        cycles, interrupted, fault, time_step = [], False, None, None
         if not no_ramp:
             begin = start or report.start_of_ramp(loci, span, ABOVE)
             ends = resolution, 1e-3 * threshold, measures
-            interrupted, fault = _ramp(case, tables, begin, span, ends, cycles, quiet)
+            system = _hunting(case, tables, (span[0], begin))
+            time_step = float(system.model.param[0]["step"])
+            interrupted, fault = _ramp(case, system, begin, span, ends, cycles, quiet)
         written = ["critical_speed.json", "linear.csv", "root_locus.csv"]
         write_text(folder / "linear.csv", report.linear_csv(lines, loci))
         write_text(folder / "root_locus.csv", report.locus_csv(loci))
@@ -119,7 +121,7 @@ def critical_speed(
         if not no_figures:
             written += report.figures(case, loci, cycles, measures, folder)
         record = report.as_json(
-            case, lines, loci, cycles, 1e-3 * threshold, measures, provenance(case, tables), written
+            case, lines, loci, cycles, 1e-3 * threshold, measures, time_step, provenance(case, tables), written
         )  # fmt: skip
         record["folder"] = folder
         write_json(folder / "critical_speed.json", record)
@@ -128,7 +130,7 @@ def critical_speed(
     if output_format == "json":
         click.echo(json_text(record))
     else:
-        text = report.report(case, lines, loci, cycles, measures, not no_ramp)
+        text = report.report(case, lines, loci, cycles, measures, time_step)
         click.echo("\n".join([*text, "", f"Written to {folder}: {', '.join(written)}"]))
     if fault:
         raise fault
@@ -159,16 +161,25 @@ def _linear(case, lines, span, quiet):
     return loci
 
 
-def _ramp(case, tables, start, span, ends, cycles, quiet):
-    """Gather limit cycles; returns whether Ctrl-C stopped it and what fault did."""
-    from railcli.analysis.stability import ramp
+def _hunting(case, tables, speeds):
+    """The system whose hunting is looked at, with half of the step that a usual run would take unless one is given.
+
+    A wheelset that is thrown aside at high speed strikes its flange harder than the choice of a step reckons with.
+    """
     from railcli.analysis.step_choice import with_step
-    from railcli.errors import SimulationError
-    from railcli.files.progress import Progress
     from railcli.model.system import assemble
 
+    _, system, choice = with_step(case, assemble(case, tables), speeds)
+    return system.stepped(0.5 * choice.step) if choice.chosen else system
+
+
+def _ramp(case, system, start, span, ends, cycles, quiet):
+    """Gather limit cycles; returns whether Ctrl-C stopped it and what fault did."""
+    from railcli.analysis.stability import ramp
+    from railcli.errors import SimulationError
+    from railcli.files.progress import Progress
+
     low, _, step = span
-    system = with_step(case, assemble(case, tables), (low, start)).system
     try:
         with Progress("Limit cycles", start - low, "m/s", quiet) as progress:
             for cycle in ramp(system, start, step, low, case.start.lateral or ASIDE, *ends):

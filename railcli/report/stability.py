@@ -38,7 +38,7 @@ def critical_text(locus):
     return f"< {locus.speeds[0]:g}" if locus.critical == 0.0 else f"{locus.critical:.1f}"
 
 
-def report(scenario, lines, loci, cycles, measures, ramped):
+def report(scenario, lines, loci, cycles, measures, step):
     """Lines for the terminal.
 
     Parameters
@@ -50,7 +50,8 @@ def report(scenario, lines, loci, cycles, measures, ramped):
         None where the swing reaches the flange.
     cycles : list of Cycle
     measures : Measures
-    ramped : bool
+    step : float or None
+        Of the time runs [s]; None where there were none.
     """
     contact = scenario.contact
     text = [
@@ -75,14 +76,14 @@ def report(scenario, lines, loci, cycles, measures, ramped):
     header = ("amplitude", "conicity", "EN 15302", "angle", "roll", "critical", "", "f", "wave", "")
     units = ("mm", "-", "-", "1/mm", "mrad/mm", "m/s", "km/h", "Hz", "m", "mode at its limit")
     text += ["", "Linear, with quasi-linear contact over a swing of one amplitude:", *columns([units, *rows], header)]
-    if ramped:
-        text += ["", *cycles_text(cycles)]
+    if step is not None:
+        text += ["", *cycles_text(cycles, step)]
         if cycles:
             text += ["", *speeds_text(loci, cycles, measures)]
     return text
 
 
-def cycles_text(cycles):
+def cycles_text(cycles, step):
     """Lines of the bifurcation table and where the hunting ends."""
     count = cycles[0].amplitude.size if cycles else 0
     header = ("speed", *(f"W{k + 1}" for k in range(count)), "sum Y", "f", "wave", "")
@@ -98,7 +99,10 @@ def cycles_text(cycles):
                 "no hunting" if not cycle.hunts else remark,
             )
         )  # fmt: skip
-    text = ["Non-linear: amplitude of each wheelset (half peak-to-peak) while the speed falls from segment to segment"]
+    text = [
+        "Non-linear: amplitude of each wheelset (half peak-to-peak) while the speed falls from segment to segment, "
+        f"step {1e3 * step:g} ms"
+    ]
     text += columns(rows, header) if cycles else []
     return [*text, f"  {verdict(cycles)}"]
 
@@ -180,7 +184,7 @@ def speeds_json(loci, cycles, measures):
     }  # fmt: skip
 
 
-def as_json(scenario, lines, loci, cycles, threshold, measures, provenance, files):
+def as_json(scenario, lines, loci, cycles, threshold, measures, step, provenance, files):
     """Everything, for a machine; units in the names."""
     below, above = end_of(cycles)
     return {
@@ -211,6 +215,7 @@ def as_json(scenario, lines, loci, cycles, threshold, measures, provenance, file
             }
             for cycle in sorted(cycles, key=lambda cycle: -cycle.speed)
         ],
+        "step_ms": None if step is None else 1e3 * step,
         "threshold_mm": threshold * 1e3,
         "hunting_ends": {"lives_m_per_s": above, "died_m_per_s": below},
         "critical_speeds": speeds_json(loci, cycles, measures) if cycles else None,

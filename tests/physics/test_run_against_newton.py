@@ -31,6 +31,7 @@ SLOW = """
 vehicle = "manchester"
 [run]
 speed_m_per_s = 2
+step_ms = 0.5
 average_over_m = 5
 [contact]
 creep_law = "table"
