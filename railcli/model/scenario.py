@@ -137,7 +137,7 @@ class Contact(Description):
     gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
-    creep_law: one_of(CREEP_LAWS) = "hard"
+    creep_law: one_of(CREEP_LAWS) = "table"
     friction_ratio: Annotated[Positive, Field(le=1.0)] = 1.0  # at infinite over that at zero slip velocity
     friction_decay: Annotated[NotNegative, Field(le=1000.0)] = Field(0.0, alias="friction_decay_s_per_m")
     adhesion_reduction: Annotated[Positive, Field(le=1.0)] = 1.0  # k_A, k_S of Polach's law
