@@ -424,17 +424,8 @@ DATA_TYPE = types.NamedTuple(
     Data,
 )
 
-
-ROWS_TYPE = types.NamedTuple(
-    (
-        mutable(np.float64),
-        *3 * [mutable(np.float64, 3)],
-        mutable(RAIL, 2),
-        mutable(CONTACT, 3),
-        mutable(np.float64),
-    ),
-    Rows,
-)
+_ROWS = (mutable(np.float64), *3 * [mutable(np.float64, 3)], mutable(RAIL, 2), mutable(CONTACT, 3), mutable(np.float64))
+ROWS_TYPE = types.NamedTuple(_ROWS, Rows)
 
 
 def new_data(model, q, n_damper):

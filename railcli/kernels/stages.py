@@ -5,9 +5,10 @@ from enum import IntEnum
 from numba import types
 
 from .body import drift, drift_on, frames, inertia_loads
-from .contact import slip, touch
+from .contact import touch
 from .jit import entry
 from .layout import DATA_TYPE, MODEL_TYPE
+from .slip import slip
 from .step import THETA, accelerate, core, hold_speed
 from .suspension import suspension
 
@@ -37,7 +38,7 @@ def repeat(model, data, stage, times):
         elif stage == Stage.CONTACT:
             status = touch(model, data)
         elif stage == Stage.CREEP:
-            slip(model, data, step)
+            slip(model, data, 0.0)
         elif stage == Stage.INTEGRATION:
             drift(model, data)
             inertia_loads(model, data)

@@ -5,11 +5,12 @@ from math import isfinite
 from numba import types
 
 from .body import drift, drift_on, frames, inertia_loads
-from .contact import describe_patch, remember, slip, slip_wheelset, touch
+from .contact import touch
 from .curve import read_curve
 from .implicit import answer, settle_tensions
 from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
+from .slip import describe_patch, remember, slip, slip_wheelset
 from .suspension import suspension
 from .vec3 import add, cross, dot, get, scale, sub
 
@@ -108,8 +109,10 @@ def accelerate(model, data, reach):
             force, moment = answer(model, data, i, reach, force, moment)
             move, turn = scale(reach, force), scale(reach, moment)
             if unsettled(model, data, i, move, turn):
-                settle(model, data, i, reach, size, move, turn)
-                continue
+                first = first_wheel(model, i)
+                if first >= 0:
+                    settle(model, data, i, first, reach, size, move, turn)
+                    continue
             u, w = add(u, force), add(w, moment)
         else:
             u = scale(1.0 / mass, (load[i, 0], load[i, 1], load[i, 2]))
@@ -120,15 +123,15 @@ def accelerate(model, data, reach):
 
 
 @seldom
-def settle(model, data, i, reach, size, move, turn):
+def settle(model, data, i, first, reach, size, move, turn):
     """Newton's method, damped, for the creep forces of wheelset i: fill its data.dv (theory.md section 8.3).
 
-    size : of the `excess` at data.v.  move, turn : the first change of that velocity.
+    first : its first wheel.  size : of the `excess` at data.v.  move, turn : the first change of that velocity.
 
     A step of the method that does not lessen the excess is halved, at most SHORTEST-fold; then the method goes on from
     where it stands. The best velocity so far counts when ROUNDS are over.
     """
-    v, load, first = data.v, data.load, first_wheel(model, i)
+    v, load = data.v, data.load
     rest = (load[i, 0], load[i, 1], load[i, 2]), (load[i, 3], load[i, 4], load[i, 5])
     rail = data.rail_load
     rest = sub(rest[0], (rail[i, 0], rail[i, 1], rail[i, 2])), sub(rest[1], (rail[i, 3], rail[i, 4], rail[i, 5]))
@@ -165,11 +168,11 @@ def settle(model, data, i, reach, size, move, turn):
 
 @kernel
 def first_wheel(model, i):
-    """Number of the first of the two wheels of wheelset i."""
-    w = 0
-    while model.wheel[w]["body"] != i:
-        w += 2
-    return w
+    """Number of the first of the wheels of wheelset i; -1 when it has none."""
+    for w in range(model.wheel.size):
+        if model.wheel[w]["body"] == i:
+            return w
+    return -1
 
 
 @kernel
