@@ -23,7 +23,8 @@ from railcli.analysis.linear import linear_about  # noqa: E402
 from railcli.errors import SimulationError  # noqa: E402
 from railcli.files.scenario import load  # noqa: E402
 from railcli.files.tables import tables_for  # noqa: E402
-from railcli.kernels.layout import Status, freeze, new_rows  # noqa: E402
+from railcli.kernels.layout import Status, freeze  # noqa: E402
+from railcli.kernels.recording import new_rows  # noqa: E402
 from railcli.kernels.step import record  # noqa: E402
 from railcli.model.sections import Curve, Straight, Transition  # noqa: E402
 from railcli.model.submodels import CREEP_LAWS  # noqa: E402

@@ -28,7 +28,8 @@ from railcli.analysis.watch import ALTERNATES, AUDIBLE  # noqa: E402
 from railcli.errors import RailcliError  # noqa: E402
 from railcli.files.scenario import DEFAULT_SCENARIO, load  # noqa: E402
 from railcli.files.tables import tables_for  # noqa: E402
-from railcli.kernels.layout import freeze, new_rows  # noqa: E402
+from railcli.kernels.layout import freeze  # noqa: E402
+from railcli.kernels.recording import new_rows  # noqa: E402
 from railcli.kernels.step import record  # noqa: E402
 from railcli.model.sections import Straight  # noqa: E402
 from railcli.model.system import assemble  # noqa: E402

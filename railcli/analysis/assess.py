@@ -51,6 +51,11 @@ def assess(results, limits=None, fault=None, progress=None):
         "flange_angle_rad": limits.flange_angle,
         "friction": friction,
     }
+    if not run.filtered:
+        outcome.warnings.append(
+            f"These results hold rows only, {run.rate:g} in a second: what is faster folds into the figures. Run again "
+            "for figures that do not depend on the output interval."
+        )
     tally = Tally(len(outcome.sections), limits.warn_share)
     if outcome.sections:
         nadal = indices.nadal(limits.flange_angle, friction)

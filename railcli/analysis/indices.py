@@ -214,7 +214,7 @@ def dominant_frequency(x, rate, band=HUNTING):
     return float(frequency[around][np.argmax(density[around])])
 
 
-def floor_acceleration(acceleration, rotation, omega, time, arms, gravity):
+def floor_acceleration(acceleration, rotation, omega, turning, arms, gravity):
     """What accelerometers fixed to points of a body show, in the body's axes, less their reading at rest.
 
     With the specific force f of the centre in the body's axes, f + dw/dt x r + w x (w x r), and gravity added to z.
@@ -226,9 +226,9 @@ def floor_acceleration(acceleration, rotation, omega, time, arms, gravity):
     rotation : array (n, 3)
         Roll, pitch, yaw against the track frame, in the order yaw, roll, pitch [rad].
     omega : array (n, 3)
-        Angular velocity, body axes [rad/s]; a cubic spline through it gives its derivative.
-    time : array (n,)
-        [s]
+        Angular velocity, body axes [rad/s].
+    turning : array (n, 3)
+        Angular acceleration, body axes [rad/s^2].
     arms : array (m, 3)
         From the centre to the points, body axes [m].
     gravity : float
@@ -245,5 +245,4 @@ def floor_acceleration(acceleration, rotation, omega, time, arms, gravity):
     y, z = np.cos(roll) * y + np.sin(roll) * z, np.cos(roll) * z - np.sin(roll) * y
     x, z = np.cos(pitch) * x - np.sin(pitch) * z, np.cos(pitch) * z + np.sin(pitch) * x
     centre = np.stack([x, y, z], axis=1) + weight
-    turning = CubicSpline(time, omega)(time, 1)
     return np.stack([centre + np.cross(turning, arm) + np.cross(omega, np.cross(omega, arm)) for arm in arms])

@@ -4,18 +4,21 @@ import math
 import time
 from collections import deque
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from railcli.kernels.layout import NO_SHIFT, freeze, new_rows
-from railcli.kernels.step import evaluate, record
+from railcli.kernels.layout import NO_SHIFT, freeze
+from railcli.kernels.recording import Count, averaged, forget_done, new_rows, new_stream
+from railcli.kernels.step import evaluate, finish, record_rows
+from railcli.model.low_pass import low_pass
 from railcli.model.track import constant_track, pack
 
 from .equilibrium import HEIGHT_AND_ROLL, set_down, static
 from .faults import copied, verdict
 
-BLOCK = 50  # rows between two returns to Python, at most
-BLOCK_TIME = 0.5  # simulated time between them, at most but for one row [s]
+BLOCK_TIME = 0.5  # simulated time between two returns to Python, at most but for one row [s]
+MOST_ROWS = 1000  # between them
 KEPT = 4  # states, BLOCK_TIME apart or more, from the first of which a fault is followed once more
 
 
@@ -48,6 +51,23 @@ class Outcome:
     def real_time_factor(self):
         """Simulated time over processor time."""
         return self.time / self.cpu_s if self.cpu_s > 0.0 else math.inf
+
+
+class Filtered(NamedTuple):
+    """A block of what every step gave, low-passed (model.low_pass); its arrays are used again.
+
+    Attributes
+    ----------
+    time : array (n,)
+        [s]
+    filtered, place, still : array (n, ...)
+        As kernels.recording.Stream.
+    """
+
+    time: np.ndarray
+    filtered: np.ndarray
+    place: np.ndarray
+    still: np.ndarray
 
 
 def settled_start(system, lateral=0.0):
@@ -83,7 +103,7 @@ def _set_down(system, data, lateral):
         data.q[i] = before
 
 
-def simulate(scenario, system, sink, progress=None):
+def simulate(scenario, system, sink, progress=None, filtered_sink=None):
     """Run a scenario.
 
     Parameters
@@ -95,6 +115,8 @@ def simulate(scenario, system, sink, progress=None):
         Called with each block of recorded instants (Rows, only as long as filled); its arrays are used again.
     progress : callable, optional
         Called with the simulated time [s] and the real-time factor so far.
+    filtered_sink : callable, optional
+        Called with each block that was low-passed (Filtered).
 
     Returns
     -------
@@ -105,8 +127,9 @@ def simulate(scenario, system, sink, progress=None):
     stride, interval = scenario.run.steps_per_output, scenario.run.output_interval
     total = max(1, round(scenario.duration / interval))
     data = settled_start(system, scenario.start.lateral)
-    rows = new_rows(system.model, min(BLOCK, max(1, round(BLOCK_TIME / interval))))
+    rows = new_rows(system.model, min(total, MOST_ROWS, max(1, round(BLOCK_TIME / interval))))
     most = rows.time.size
+    low_passed = _LowPassed(system.model, most * stride, filtered_sink)
     kept = deque(maxlen=KEPT)
     done, cpu, status = 0, 0.0, 0
     while done < total and status == 0:
@@ -114,52 +137,101 @@ def simulate(scenario, system, sink, progress=None):
             kept.append(copied(data))
         block = rows if total - done >= most else type(rows)(*(array[: total - done] for array in rows))
         began = time.process_time()
-        count, status = record(system.model, data, block, stride)
+        count, status = record_rows(system.model, data, block, low_passed.stream, stride)
         cpu += time.process_time() - began
         done += count
         if count:
             sink(type(rows)(*(array[:count] for array in block)))
+        low_passed.hand_on()
         if progress:
             progress(float(data.clock[0]), data.clock[0] / max(cpu, 1e-9))
+    finish(low_passed.stream)
+    low_passed.hand_on()
     fault = verdict(system, data, status, kept[0]) if status else ""
     return Outcome(done, float(data.clock[0]), float(data.q[0, 0]), cpu, fault, int(status))
 
 
+class _LowPassed:
+    """The low-passed stream of a run, handed on block by block; none without a sink."""
+
+    def __init__(self, model, steps, sink):
+        step = float(model.param[0]["step"])
+        stride, taps = low_pass(step)
+        self._interval, self._sink, self._handed = stride * step, sink, 0
+        self.stream = new_stream(model, taps, stride, steps) if sink else new_stream(model)
+
+    def hand_on(self):
+        """Give the rows that are finished to the sink."""
+        count = int(self.stream.count[Count.DONE])
+        if count:
+            time = self._interval * np.arange(self._handed + 1, self._handed + count + 1)
+            self._handed += count
+            rows = (self.stream.filtered, self.stream.place, self.stream.still)
+            self._sink(Filtered(time, *(array[:count] for array in rows)))
+            forget_done(self.stream)
+
+
 class SteadyWindow:
-    """Mean and peak-to-peak of named channels over the last metres of a run, gathered as rows come.
+    """What a stretch of a run amounts to, gathered as rows come: means and extremes, forces from every step.
 
     Parameters
     ----------
     start : float
-        Arc length of the first body from which on rows count [m].
+        Arc length of the first body from which on rows count [m]; by default the whole run counts.
+
+    Attributes
+    ----------
+    count : int
+        Rows that counted.
     """
 
-    def __init__(self, start):
+    def __init__(self, start=-math.inf):
         self.start = start
         self.count = 0
+        self._gathered = {}
 
     def __call__(self, rows):
         inside = rows.q[:, 0, 0] >= self.start
         if not inside.any():
             return
-        for key, values in self.channels(rows).items():
-            values = values[inside]
-            total, low, high = values.sum(axis=0), values.min(axis=0), values.max(axis=0)
+        for key, (mean, least, greatest) in self._channels(rows).items():
+            new = mean[inside].sum(axis=0), least[inside].min(axis=0), greatest[inside].max(axis=0)
             if self.count:
-                old_total, old_low, old_high = getattr(self, key)
-                total, low, high = total + old_total, np.minimum(low, old_low), np.maximum(high, old_high)
-            setattr(self, key, (total, low, high))
+                total, low, high = self._gathered[key]
+                new = new[0] + total, np.minimum(new[1], low), np.maximum(new[2], high)
+            self._gathered[key] = new
         self.count += int(inside.sum())
 
     @staticmethod
-    def channels(rows):
-        """What is averaged: coordinates (n, n_body, 6) and rail forces Y, Q (n, n_wheel); SI, track axes."""
-        return {"q": rows.q, "y_force": rows.rail["y"], "q_force": rows.rail["q"], "traction": rows.traction}
+    def _channels(rows):
+        """Mean, least and greatest value of each row."""
+        of_steps = averaged(rows.rail.shape[1], rows.q.shape[1])
+        found = {"q": (rows.q,) * 3, "turn": (rows.turn,) * 3, "move": (rows.move,) * 3}
+        for key, span in (("y_force", of_steps.y), ("q_force", of_steps.q), ("traction", of_steps.traction.start)):
+            found[key] = rows.mean[:, span], rows.least[:, span], rows.greatest[:, span]
+        return found
 
     def mean(self, key):
-        """Mean of one channel over the window."""
-        return getattr(self, key)[0] / self.count
+        """Mean of ``q`` (n_body, 6) over rows; of ``y_force``, ``q_force`` (n_wheel,) and ``traction`` over steps."""
+        return self._gathered[key][0] / self.count
 
     def peak_to_peak(self, key):
-        """Largest less smallest value of one channel in the window."""
-        return getattr(self, key)[2] - getattr(self, key)[1]
+        """Largest less smallest value of what `mean` knows."""
+        _, low, high = self._gathered[key]
+        return high - low
+
+    def alternation(self):
+        """How Y and Q move from step to step, with no filter.
+
+        Returns
+        -------
+        turn : array (2, n_wheel)
+            Of Y and of Q: sum of d_k d_(k-1) over the sum of d_k^2, d_k what the force moves by in step k. -1: it
+            alternates with every step; 1: it is smooth. 0 where it does not move.
+        amplitude : array (2, n_wheel)
+            Of the force if it alternated, half the root mean square of d_k [N].
+        """
+        move = self.mean("move").reshape(2, -1)
+        turn = np.zeros_like(move)
+        np.divide(self.mean("turn").reshape(2, -1), move, out=turn, where=move > 0.0)
+        return turn, 0.5 * np.sqrt(move)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from railcli.errors import SimulationError
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 from railcli.model.vehicle import static_wheel_loads
 

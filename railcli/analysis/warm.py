@@ -10,7 +10,7 @@ from railcli.kernels import jit, step
 from .build_table import build_table
 from .certify import certify
 
-CORE = (step.advance, step.record, step.evaluate)
+CORE = (step.advance, step.record_rows, step.finish, step.evaluate)
 LAST_OF_TABLES = "branches.join_cells"  # the last function that a table needs
 
 

@@ -96,7 +96,11 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
         try:
             with series, Progress("Run", case.duration, "s", quiet) as progress:
                 outcome = simulate(
-                    case, system, sink, lambda time, factor: progress.update(time, f"{factor:.0f} x real time")
+                    case,
+                    system,
+                    sink,
+                    lambda time, factor: progress.update(time, f"{factor:.0f} x real time"),
+                    series.filtered,
                 )
         except KeyboardInterrupt:
             raise KeyboardInterrupt(series.kept()) from None

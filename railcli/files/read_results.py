@@ -14,13 +14,15 @@ from pydantic import ValidationError
 from railcli.errors import InputError
 from railcli.model.scenario import Scenario
 
+from .filtered_series import CHUNK, FILTERED, PARTS
 from .growing_hdf5 import CHUNK_CACHE
 from .inputs import SCENARIO, restore
-from .results import CHUNK, FORMAT, FORMAT_VERSION, TIME_SERIES
+from .results import FORMAT, FORMAT_VERSION, TIME_SERIES
 
 SUMMARY = "summary.json"
 PIECE = 10 * CHUNK  # rows that `pieces` gives at once
-COMPONENTS = {"position": ("s", "y", "z"), "rotation": ("roll", "pitch", "yaw")}
+COMPONENTS = {"position": ("s", "y", "z"), "rotation": ("roll", "pitch", "yaw"), "T_gamma": PARTS}
+READABLE = (1, FORMAT_VERSION)  # rows of version 1 are instants throughout, and nothing is low-passed
 AXES = ("x", "y", "z")
 _ASK_AGAIN = "run the scenario again"
 
@@ -43,7 +45,73 @@ class Channel(NamedTuple):
     components: tuple
 
 
-class Results:
+class Rows:
+    """Channels of one group of a file of time series, all with the same number of rows.
+
+    Attributes
+    ----------
+    channels : dict of str to Channel
+        In the order of the file; ``time`` is the first.
+    rows : int
+        Of every channel.
+    bodies, wheelsets, wheels : tuple of str
+        Names, as they stand in the names of channels.
+    """
+
+    def _hold(self, path, group, apart=()):
+        """Take over what a group of the file holds, but for groups of these names in it."""
+        import h5py
+
+        self._path, self._group = path, group
+        self.rows = int(group["time"].size)
+        found = {}
+
+        def visit(name, item):
+            if isinstance(item, h5py.Dataset) and name.split("/")[0] not in apart:
+                found[name] = Channel(name, *(item.attrs[key] for key in ("units", "description")), _columns(item))
+                if item.shape[0] != self.rows:
+                    raise KeyError(name)
+
+        group.visititems(visit)
+        rest = sorted(found, key=lambda name: name.split("/")[0] not in ("time", "traction"))
+        self.channels = {name: found[name] for name in ["time", *(name for name in rest if name != "time")]}
+
+    def read(self, name, start=0, stop=None):
+        """Rows of a channel.
+
+        Parameters
+        ----------
+        name : str
+        start, stop : int, optional
+            First row, and the one behind the last; all rows by default.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n,) or (n, number of components), in the channel's units; as recorded, in track axes.
+        """
+        if name not in self.channels:
+            raise InputError(self._path, f"holds no channel {name!r}")
+        try:
+            return self._group[name][start:stop]
+        except OSError as error:
+            raise InputError(self._path, f"channel {name!r} is damaged ({error}); {_ASK_AGAIN}") from None
+
+    def pieces(self, *names, size=PIECE):
+        """Yield tuples of arrays, some rows of each channel at a time."""
+        for start in range(0, self.rows, size):
+            yield tuple(self.read(name, start, start + size) for name in names)
+
+
+class Filtered(Rows):
+    """What every step of a run gave, at a rate of its own, forces and accelerations low-passed: what is assessed."""
+
+    def __init__(self, results, group):
+        self.bodies, self.wheelsets, self.wheels = results.bodies, results.wheelsets, results.wheels
+        self._hold(results._path, group)
+
+
+class Results(Rows):
     """A results folder of `railcli run`; use it as a context manager, or close it.
 
     Parameters
@@ -61,6 +129,8 @@ class Results:
     bodies, wheelsets, wheels : tuple of str
         Names, as they stand in the names of channels: ``bodies/<body>/position``, ``wheels/<wheel>/Y``. The wheels are
         right and left one of each wheelset in turn.
+    filtered : Filtered or None
+        None in results of versions of railcli that kept rows only.
 
     Raises
     ------
@@ -88,32 +158,6 @@ class Results:
     def close(self):
         """Close the file; what was read stays."""
         self._file.close()
-
-    def read(self, name, start=0, stop=None):
-        """Rows of a channel.
-
-        Parameters
-        ----------
-        name : str
-        start, stop : int, optional
-            First row, and the one behind the last; all rows by default.
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (n,) or (n, number of components), in the channel's units; as recorded, in track axes.
-        """
-        if name not in self.channels:
-            raise InputError(self._path, f"holds no channel {name!r}")
-        try:
-            return self._file[name][start:stop]
-        except OSError as error:
-            raise InputError(self._path, f"channel {name!r} is damaged ({error}); {_ASK_AGAIN}") from None
-
-    def pieces(self, *names, size=PIECE):
-        """Yield tuples of arrays, some rows of each channel at a time."""
-        for start in range(0, self.rows, size):
-            yield tuple(self.read(name, start, start + size) for name in names)
 
     @property
     def time(self):
@@ -178,33 +222,21 @@ class Results:
             raise InputError(self._path, f"cannot be read: {reason}; {_ASK_AGAIN}") from None
 
     def _read_head(self):
-        import h5py
-
         head = self._file.attrs
         if head.get("format") != FORMAT:
             raise InputError(self._path, "is an HDF5 file, but not of time series that railcli wrote")
-        if (version := head.get("version")) != FORMAT_VERSION:
+        if (version := head.get("version")) not in READABLE:
             raise InputError(self._path, f"has format version {version}, not {FORMAT_VERSION}; {_ASK_AGAIN}")
         try:
             self.bodies, self.wheelsets, self.wheels = (
                 tuple(str(name) for name in head[key]) for key in ("bodies", "wheelsets", "wheels")
             )
-            self.rows = int(self._file["time"].size)
-            found = {}
-
-            def visit(name, item):
-                if isinstance(item, h5py.Dataset):
-                    found[name] = Channel(name, *(item.attrs[key] for key in ("units", "description")), _columns(item))
-                    if item.shape[0] != self.rows:
-                        raise KeyError(name)
-
-            self._file.visititems(visit)
+            self._hold(self._path, self._file, apart=(FILTERED,))
+            self.filtered = Filtered(self, self._file[FILTERED]) if FILTERED in self._file else None
         except (KeyError, OSError, RuntimeError, ValueError):
             raise InputError(self._path, f"is damaged: channels are missing or cut off; {_ASK_AGAIN}") from None
         if not self.rows:
             raise InputError(self._path, f"holds no rows; {_ASK_AGAIN}")
-        rest = sorted(found, key=lambda name: name.split("/")[0] not in ("time", "traction"))
-        self.channels = {name: found[name] for name in ["time", *(name for name in rest if name != "time")]}
 
 
 def _columns(dataset):

@@ -1,5 +1,7 @@
 """The results of a run: time series as HDF5, written as the run goes, and the main channels as CSV.
 
+Rows hold coordinates as instants, forces and accelerations as means over all steps since the row before, with the
+extremes of these steps. Below FILTERED is what every step gave, low-passed, at a rate of its own: what is assessed.
 Track axes: x forward, y to the right, z down; angles turn right-handed about them. Forces of a wheel act on its rail.
 """
 
@@ -8,10 +10,11 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from railcli.analysis.faults import wheel_name
 from railcli.errors import InputError
-from railcli.kernels.layout import MAX_CONTACT, new_rows
+from railcli.kernels.layout import MAX_CONTACT
+from railcli.kernels.recording import averaged, new_rows
 
+from .filtered_series import CHUNK, FELT, FilteredSeries, grown, wheel_group
 from .growing_hdf5 import GrowingHdf5
 from .output import file_name, is_refusal, refusal, refused, whole_file
 
@@ -19,26 +22,30 @@ TIME_SERIES = "timeseries.h5"
 MAIN_CHANNELS = "main.csv"
 PIECE, ENVELOPE = 20_000, 8000  # rows of a long run read at a time; rows of it that a picture needs
 NOTHING = "none"  # in the place of globs
-CHUNK = 1000  # rows kept in memory, and in one chunk of the file
-COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 FORMAT = "railcli time series"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 BODY_CHANNELS = {  # name: how to read it from the rows of body i, units, description
     "position": (lambda rows, i: rows.q[:, i, :3], "m", "arc length s, lateral y, vertical z in the track frame at s"),
     "rotation": (lambda rows, i: rows.q[:, i, 3:], "rad", "roll, pitch, yaw against the track frame at s"),
     "velocity": (lambda rows, i: rows.v[:, i, :3], "m/s", "of the centre of mass, x, y, z of the track frame at s"),
     "angular_velocity": (lambda rows, i: rows.v[:, i, 3:], "rad/s", "about the body's own axes x, y, z"),
-    "acceleration": (
-        lambda rows, i: rows.acceleration[:, i],
-        "m/s^2",
-        "what an accelerometer at the centre of mass shows, x, y, z of the track frame, gravity taken from z",
-    ),
+}
+ACCELERATIONS = {  # name: array of the rows, description
+    "acceleration": ("mean", f"mean over the interval of {FELT}"),
+    "acceleration_least": ("least", f"least value of a step in the interval of {FELT}; no filter"),
+    "acceleration_greatest": ("greatest", f"greatest value of a step in the interval of {FELT}; no filter"),
+}
+FORCES = {  # name: array of the rows, member of kernels.recording.Averaged, description
+    "X": ("mean", "x", "force of the wheel on the rail, forward; mean over the interval"),
+    "Y": ("mean", "y", "force of the wheel on the rail, to the right; mean over the interval"),
+    "Y_least": ("least", "y", "Y, least value of a step in the interval; no filter"),
+    "Y_greatest": ("greatest", "y", "Y, greatest value of a step in the interval; no filter"),
+    "Q": ("mean", "q", "force of the wheel on the rail, down; mean over the interval"),
+    "Q_least": ("least", "q", "Q, least value of a step in the interval; no filter"),
+    "Q_greatest": ("greatest", "q", "Q, greatest value of a step in the interval; no filter"),
 }
 RAIL_CHANNELS = {
-    "X": ("x", "N", "force of the wheel on the rail, forward"),
-    "Y": ("y", "N", "force of the wheel on the rail, to the right"),
-    "Q": ("q", "N", "force of the wheel on the rail, down"),
     "rail_y": ("lateral", "m", "displacement of the rail at the wheelset's place, to the right"),
     "rail_z": ("vertical", "m", "displacement of the rail at the wheelset's place, down"),
     "patches": ("patches", "-", "number of loaded contact patches"),
@@ -61,11 +68,6 @@ PATCH_CHANNELS = {  # forces are zero, all else is not a number, where there is 
     "region": ("region", "-", "part of the wheel profile: 0 tread, 1 flange root, 2 flange flank, 3 flange tip"),
 }
 FORCES_OF_A_PATCH = ("normal", "creep_x", "creep_t", "spin_moment")
-
-
-def wheel_group(system, wheel):
-    """`W2_left` for the left wheel of the second wheelset."""
-    return wheel_name(system, wheel).replace(" ", "_")
 
 
 class TimeSeries:
@@ -102,6 +104,7 @@ class TimeSeries:
                     f"{NOTHING!r}; known: {', '.join(PATCH_CHANNELS)}",
                 )
         self._held = new_rows(system.model, CHUNK)
+        self._filtered = None
         self._count = self.rows = 0
         self.time = 0.0
 
@@ -126,6 +129,13 @@ class TimeSeries:
             if self._count == CHUNK:
                 self._write()
 
+    def filtered(self, block):
+        """Take in a block that was low-passed (analysis.simulate.Filtered)."""
+        if self._filtered is None:
+            self._filtered = FilteredSeries(self._system, self._growing.file)
+        for size, write in self._filtered.take(block):
+            self._append(size, write)
+
     def kept(self):
         """A sentence that says what the file holds; empty when there is none."""
         return f"What was computed until t = {self.time:.2f} s is kept in {self._path}." if self.rows else ""
@@ -134,6 +144,9 @@ class TimeSeries:
         try:
             if self._count:
                 self._write()
+            if self._filtered is not None:
+                for size, write in self._filtered.rest():
+                    self._append(size, write)
         finally:
             if self.rows:
                 self._growing.close()
@@ -144,13 +157,21 @@ class TimeSeries:
         """Append the rows at hand. When the disk is full they are given up, those before stay in the file."""
         count, self._count = self._count, 0
         rows = type(self._held)(*(array[:count] for array in self._held))
+
+        def write():
+            for dataset, source in self._sources.items():
+                dataset.resize(self.rows + count, axis=0)
+                dataset[self.rows :] = source(rows)
+            self.rows += count
+            self.time = float(rows.time[-1])
+
+        self._append(sum(array.nbytes for array in rows), write)
+
+    def _append(self, size, write):
+        """Call `write`, which makes the file grow by no more than `size` bytes."""
         try:
-            with self._growing.growing(sum(array.nbytes for array in rows)):
-                for dataset, source in self._sources.items():
-                    dataset.resize(self.rows + count, axis=0)
-                    dataset[self.rows :] = source(rows)
-                self.rows += count
-                self.time = float(rows.time[-1])
+            with self._growing.growing(size):
+                write()
         except OSError as error:
             if is_refusal(error):
                 raise refusal(self._path, error, self.kept()) from error
@@ -173,22 +194,32 @@ class TimeSeries:
     def _create(self, file):
         """Make every dataset; yields each with the function that reads its values from rows."""
         system = self._system
-        yield _dataset(file, "time", (), "s", "simulated time"), lambda rows: rows.time
-        yield _dataset(file, "traction", (), "N", "force that holds the speed"), lambda rows: rows.traction
+        yield grown(file, "time", (), "s", "simulated time"), lambda rows: rows.time
+        spans = averaged(system.model.wheel.size, system.model.body.size)
+        traction = grown(file, "traction", (), "N", "force that holds the speed; mean over the interval")
+        yield traction, lambda rows: rows.mean[:, spans.traction.start]
         for i, name in enumerate(system.bodies):
             for channel, (source, units, description) in BODY_CHANNELS.items():
-                dataset = _dataset(file, f"bodies/{name}/{channel}", (3,), units, description)
+                dataset = grown(file, f"bodies/{name}/{channel}", (3,), units, description)
                 yield dataset, lambda rows, i=i, source=source: source(rows, i)
+            start = spans.acceleration.start + 3 * i
+            for channel, (key, description) in ACCELERATIONS.items():
+                dataset = grown(file, f"bodies/{name}/{channel}", (3,), "m/s^2", description)
+                yield dataset, lambda rows, start=start, key=key: getattr(rows, key)[:, start : start + 3]
         for w in range(system.model.wheel.size):
             group = f"wheels/{wheel_group(system, w)}"
+            for channel, (key, force, description) in FORCES.items():
+                dataset = grown(file, f"{group}/{channel}", (), "N", description)
+                at = getattr(spans, force).start + w
+                yield dataset, lambda rows, at=at, key=key: getattr(rows, key)[:, at]
             for channel, (key, units, description) in RAIL_CHANNELS.items():
-                dataset = _dataset(file, f"{group}/{channel}", (), units, description)
+                dataset = grown(file, f"{group}/{channel}", (), units, description)
                 yield dataset, lambda rows, w=w, key=key: rows.rail[key][:, w]
             for channel, (key, units, description) in PATCH_CHANNELS.items():
                 name = f"{group}/contact/{channel}"
                 if not any(fnmatchcase(name, pattern) for pattern in self._kept_contact):
                     continue
-                dataset = _dataset(file, name, (MAX_CONTACT,), units, description)
+                dataset = grown(file, name, (MAX_CONTACT,), units, description)
                 absent = 0.0 if key in FORCES_OF_A_PATCH else np.nan
                 yield (
                     dataset,
@@ -196,14 +227,6 @@ class TimeSeries:
                         rows.contact["depth"][:, w] > 0.0, rows.contact[key][:, w], absent
                     ),
                 )
-
-
-def _dataset(file, name, shape, units, description):
-    form = {"shape": (0, *shape), "maxshape": (None, *shape), "chunks": (CHUNK, *shape)}
-    dataset = file.create_dataset(name, dtype="f8", **form, **COMPRESSION)
-    dataset.attrs["units"] = units
-    dataset.attrs["description"] = description
-    return dataset
 
 
 @dataclass(frozen=True)

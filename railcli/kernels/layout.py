@@ -380,18 +380,6 @@ class Data(NamedTuple):
     fault: np.ndarray  # derived: (1,) index of the culprit when the status is not OK
 
 
-class Rows(NamedTuple):
-    """A block of recorded instants."""
-
-    time: np.ndarray  # (n,) [s]
-    q: np.ndarray  # (n, n_body, 6) as Data
-    v: np.ndarray  # (n, n_body, 6) as Data
-    acceleration: np.ndarray  # (n, n_body, 3) what an accelerometer feels, track axes, z plus g [m/s^2]
-    rail: np.ndarray  # (n, n_wheel) RAIL
-    contact: np.ndarray  # (n, n_wheel, MAX_CONTACT) CONTACT
-    traction: np.ndarray  # (n,) force that holds the speed [N]
-
-
 MODEL_TYPE = types.NamedTuple(
     (
         *map(constant, (PARAM, PIECE, BODY, JOINT, ELEMENT, CURVE, WHEEL, TABLE)),
@@ -423,9 +411,6 @@ DATA_TYPE = types.NamedTuple(
     ),
     Data,
 )
-
-_ROWS = (mutable(np.float64), *3 * [mutable(np.float64, 3)], mutable(RAIL, 2), mutable(CONTACT, 3), mutable(np.float64))
-ROWS_TYPE = types.NamedTuple(_ROWS, Rows)
 
 
 def new_data(model, q, n_damper):
@@ -466,20 +451,6 @@ def new_data(model, q, n_damper):
         stiff=np.zeros(n_stiff, STIFF),
         traction=np.zeros(1),
         fault=np.zeros(1, np.int64),
-    )
-
-
-def new_rows(model, n):
-    """Room for n recorded instants."""
-    n_body, n_wheel = model.body.size, model.wheel.size
-    return Rows(
-        time=np.zeros(n),
-        q=np.zeros((n, n_body, 6)),
-        v=np.zeros((n, n_body, 6)),
-        acceleration=np.zeros((n, n_body, 3)),
-        rail=np.zeros((n, n_wheel), RAIL),
-        contact=np.zeros((n, n_wheel, MAX_CONTACT), CONTACT),
-        traction=np.zeros(n),
     )
 
 

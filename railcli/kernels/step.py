@@ -9,10 +9,11 @@ from .contact import touch
 from .curve import read_curve
 from .implicit import answer, settle_tensions
 from .jit import entry, kernel, seldom
-from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, ROWS_TYPE, Status
+from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, Status
+from .recording import BATCH, ROWS_TYPE, STREAM_TYPE, felt, flush, new_stream, note, open_row, take
 from .slip import describe_patch, remember, slip, slip_wheelset
 from .suspension import suspension
-from .vec3 import add, cross, dot, get, scale, sub
+from .vec3 import add, dot, get, scale, sub
 
 THETA = 9.0 / 16.0  # place within the step at which creep forces are taken
 ROUNDS = 12  # evaluations of the creep forces of a wheelset beyond the first
@@ -243,18 +244,13 @@ def evaluate(model, data, half_step):
 @kernel
 def write_row(model, data, rows, n):
     """Copy the present instant into row n."""
-    gravity = model.param[0]["gravity"]
     rows.time[n] = data.clock[0]
     rows.traction[n] = data.traction[0]
     for i in range(model.body.size):
         for k in range(6):
             rows.q[n, i, k] = data.q[i, k]
             rows.v[n, i, k] = data.v[i, k]
-        frame, speed = data.frame[i], data.rate[i, 0]
-        carried = cross(scale(speed, get(frame["rate"])), (data.v[i, 0], data.v[i, 1], data.v[i, 2]))
-        for a in range(3):
-            rows.acceleration[n, i, a] = data.dv[i, a] + carried[a] - gravity * frame["track"][2, a]
-        rows.acceleration[n, i, 2] += gravity
+        rows.acceleration[n, i, 0], rows.acceleration[n, i, 1], rows.acceleration[n, i, 2] = felt(model, data, i)
     for w in range(model.wheel.size):
         rows.rail[n, w] = data.rail[w]
         for j in range(MAX_CONTACT):
@@ -262,12 +258,37 @@ def write_row(model, data, rows, n):
             rows.contact[n, w, j] = data.contact[w, j]
 
 
-@entry(types.UniTuple(types.int64, 2)(MODEL_TYPE, DATA_TYPE, ROWS_TYPE, types.int64))
-def record(model, data, rows, stride):
-    """Advance, writing one row every `stride` steps. Returns the rows written and a Status."""
+@entry(types.UniTuple(types.int64, 2)(MODEL_TYPE, DATA_TYPE, ROWS_TYPE, STREAM_TYPE, types.int64))
+def record_rows(model, data, rows, stream, stride):
+    """Advance, writing one row every `stride` steps; every step goes into it and into the stream.
+
+    Returns the rows written and a Status.
+    """
+    share = 1.0 / stride
     for n in range(rows.time.size):
-        status = core(model, data, stride)
-        if status != 0:
-            return n, status
+        open_row(rows, n)
+        left = stride
+        while left > 0:
+            count = min(left, BATCH)
+            for b in range(count):
+                status = step(model, data)
+                if status != 0:
+                    if b > 0:
+                        note(rows, n, stream, b, share)
+                    return n, status
+                take(model, data, stream, b)
+            note(rows, n, stream, count, share)
+            left -= count
         write_row(model, data, rows, n)
     return rows.time.size, 0
+
+
+@entry(types.void(STREAM_TYPE))
+def finish(stream):
+    """Complete the stream of a run that is over."""
+    flush(stream)
+
+
+def record(model, data, rows, stride):
+    """As `record_rows`, without a stream."""
+    return record_rows(model, data, rows, new_stream(model), stride)

@@ -7,7 +7,7 @@ import tolerances as tol
 from numpy.testing import assert_allclose
 
 from railcli.analysis.equilibrium import TOLERANCE, rising, static, steady
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 from railcli.model.sections import Gradient, Straight, Transition
 from railcli.model.track import Track, constant_track, pack

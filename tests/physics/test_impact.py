@@ -6,7 +6,7 @@ import scenes
 import tolerances as tol
 from scipy.optimize import brentq
 
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 
 GRAVITY, STEP, SPEED = 9.81, 1e-5, 20.0

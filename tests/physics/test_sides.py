@@ -13,7 +13,7 @@ from railcli.analysis.build_table import build_table
 from railcli.analysis.equilibrium import static, steady
 from railcli.analysis.simulate import settled_start
 from railcli.files.scenario import load
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 from railcli.model.scenario import Contact, Run, Scenario
 from railcli.model.system import assemble, needed, table_settings

@@ -16,7 +16,7 @@ from railcli.analysis.simulate import settled_start
 from railcli.analysis.stability import Measures, end_of, ramp
 from railcli.errors import SimulationError
 from railcli.files.scenario import load
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import advance, record
 
 

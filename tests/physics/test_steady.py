@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from railcli.analysis.equilibrium import TOLERANCE, static, steady
 from railcli.files.scenario import load
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 from railcli.model.system import assemble
 from railcli.model.track import constant_track, pack

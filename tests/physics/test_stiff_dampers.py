@@ -12,7 +12,8 @@ from railcli.analysis.equilibrium import TOLERANCE, static, steady
 from railcli.analysis.simulate import settled_start
 from railcli.files import toml
 from railcli.files.scenario import load
-from railcli.kernels.layout import new_data, new_rows
+from railcli.kernels.layout import new_data
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 from railcli.model.sections import Curve, Straight, Transition
 from railcli.model.system import assemble

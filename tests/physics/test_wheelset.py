@@ -7,7 +7,7 @@ import tolerances as tol
 from numpy.testing import assert_allclose
 
 from railcli.analysis.equilibrium import touching_depth
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 
 

@@ -11,7 +11,8 @@ from railcli.analysis.linear import linearise, modes
 from railcli.analysis.simulate import settled_start
 from railcli.analysis.steady_values import expected_forces, final_stretch
 from railcli.files.scenario import load
-from railcli.kernels.layout import Kind, new_rows
+from railcli.kernels.layout import Kind
+from railcli.kernels.recording import new_rows
 from railcli.kernels.step import record
 from railcli.model.sections import Straight
 from railcli.model.track import Track

@@ -11,7 +11,7 @@ from railcli.files.output import write_json
 from railcli.files.read_results import Results
 from railcli.files.results import TimeSeries
 from railcli.files.scenario import load
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 
 SEED = 2
 ROWS = 2300

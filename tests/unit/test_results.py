@@ -10,7 +10,7 @@ import pytest
 from railcli.errors import InputError, SimulationError
 from railcli.files.growing_hdf5 import GrowingHdf5, uninterrupted
 from railcli.files.results import CHUNK, TimeSeries, envelope, main_channels, pieces, write_main_channels
-from railcli.kernels.layout import new_rows
+from railcli.kernels.recording import new_rows
 
 SEED = 1
 

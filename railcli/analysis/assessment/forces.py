@@ -36,7 +36,7 @@ def assess_forces(run, outcome, tally, static, nadal, progress=None):
         Called with the share that is done.
     """
     limits, sections = run.limits, outcome.sections
-    if name := run.absent(f"wheels/{wheel}/{force}" for wheel in run.results.wheels for force in "YQ"):
+    if name := run.absent(f"wheels/{wheel}/{force}" for wheel in run.source.wheels for force in "YQ"):
         tally.missing(KEYS, f"channel {name} was not recorded")
         return
     faster = f"set output_interval_ms = {1e3 / (5.0 * CORNER):g} or less"
@@ -52,7 +52,7 @@ def assess_forces(run, outcome, tally, static, nadal, progress=None):
         tally.missing(("Y_qst", "Q_qst"), "no full curve in what is evaluated")
     tally.missing(("stability",), f"no {RMS_WINDOW:g} m without a gap in what is evaluated")
     lines = [f"W{k + 1}" for k in range(len(static))]
-    for key, names in (("Y_Q", lines), ("sum_Y", lines), ("Q_max", run.results.wheels)):
+    for key, names in (("Y_Q", lines), ("sum_Y", lines), ("Q_max", run.source.wheels)):
         outcome.traces[key] = {name: Trace(sections, run.speed * run.interval) for name in names}
     outcome.bounds |= {
         "sum_Y": float(indices.prudhomme(static.sum(axis=1).min(), limits.sum_y_factor)),
@@ -77,13 +77,13 @@ class Forces:
     """Forces of one wheelset over a block of rows that holds a stretch of track with a margin."""
 
     def __init__(self, run, k, static, rows, start, end):
-        read = run.results.read
+        read = run.source.read
         self.limits, self.speed, self.rate = run.limits, run.speed, run.rate
         self.name, self.static = f"W{k + 1}", static
         self.start, self.end = start, end
-        self.wheels = run.results.wheels[2 * k : 2 * k + 2]
-        wheelset = run.results.wheelsets[k]
-        self.s = read(f"bodies/{wheelset}/position", *rows)[:, 0]
+        self.wheels = run.source.wheels[2 * k : 2 * k + 2]
+        wheelset = run.source.wheelsets[k]
+        self.s = run.places(wheelset, *rows)
         if not np.all(np.diff(self.s) > 0.0):
             raise InputError("assessment", f"{wheelset!r} does not roll forward all the time, so places have no order")
         y, q = (np.stack([read(f"wheels/{wheel}/{name}", *rows) for wheel in self.wheels], 1) for name in "YQ")
@@ -129,7 +129,9 @@ class Forces:
                 note = f"without the {lifted:.1f}% of it where Q is below {LOADED:g} Q0" if lifted else ""
                 tally.offer("Y_Q_peak", np.nanmax(peak), nadal, place, note, number)
             low, high = indices.extremes(q)
-            tally.offer("unloading", 1.0 - low / self.static[side], limits.unloading, place, section=number)
+            note = "" if low > 0.0 else "the wheel lifts: filtered, Q swings below zero there"
+            unloading = min(1.0 - low / self.static[side], 1.0)
+            tally.offer("unloading", unloading, limits.unloading, place, note, number)
             bound = limits.largest_q(self.static.mean(), self.speed)
             tally.offer("Q_max", high, bound, place, section=number)
             if section.kind == "curve" and section.outer == side:

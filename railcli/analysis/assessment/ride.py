@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from .. import indices
 from .values import Trace
@@ -13,7 +14,7 @@ LEAST_WINDOWS = 20  # below this the 95th percentile lies beyond the second larg
 FULL_WINDOWS = 60  # 5 minutes
 COMFORT_RATE = 200.0  # W_b ends at 100 Hz [Hz]
 WINDOWS_AT_ONCE = 40
-CHANNELS = ("position", "rotation", "angular_velocity", "acceleration")
+CHANNELS = ("rotation", "angular_velocity", "acceleration")
 COMFORT = ("N_MV", "C_y", "C_z", "Wz_y", "Wz_z")
 KEYS = ("ay_max", "az_max", "ay_rms", "az_rms", "ay_qst", "ay_centre", "az_centre", *COMFORT)
 
@@ -79,11 +80,14 @@ def assess_ride(run, outcome, tally):
 
 def _accelerations(run, body, points, rows):
     """Arc length of the body's centre (n,), and accelerations at its points, body axes (m, n, 3)."""
-    position, *motion = (run.results.read(f"bodies/{body}/{channel}", *rows) for channel in CHANNELS)
-    rotation, omega, acceleration = motion
-    time = run.interval * np.arange(len(position))
+    rotation, omega, acceleration = (run.source.read(f"bodies/{body}/{channel}", *rows) for channel in CHANNELS)
+    if run.filtered:
+        turning = run.source.read(f"bodies/{body}/angular_acceleration", *rows)
+    else:
+        turning = CubicSpline(run.interval * np.arange(len(omega)), omega)(run.interval * np.arange(len(omega)), 1)
     arms, gravity = np.array([point.arm for point in points]), run.scenario.run.gravity
-    return position[:, 0], indices.floor_acceleration(acceleration, rotation, omega, time, arms, gravity)
+    values = indices.floor_acceleration(acceleration, rotation, omega, turning, arms, gravity)
+    return run.places(body, *rows), values
 
 
 def _assess_sections(run, outcome, tally, body, points):
@@ -129,7 +133,7 @@ def _judge(tally, limits, point, where, section, number, ride, slow):
 def _assess_comfort(run, outcome, tally, body, points):
     """Weighted accelerations in windows of 5 s that follow each other, from the end of the run-in to the run-out."""
     window, limits = indices.COMFORT_WINDOW, run.limits
-    rows, size, pad = run.results.rows, round(window * run.rate), round(indices.SETTLED * run.rate)
+    rows, size, pad = run.source.rows, round(window * run.rate), round(indices.SETTLED * run.rate)
     count = max(0, (run.last_row - run.first_row) // size)
     if count < LEAST_WINDOWS:
         tally.missing(("N_MV",), f"{count} windows of {window:g} s from run-in to run-out, {LEAST_WINDOWS} are needed")
