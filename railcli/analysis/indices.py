@@ -214,6 +214,12 @@ def dominant_frequency(x, rate, band=HUNTING):
     return float(frequency[around][np.argmax(density[around])])
 
 
+def derivative(x, rate):
+    """Derivative of samples (n, ...) at a rate [Hz] by the cubic spline through them."""
+    time = np.arange(len(x)) / rate
+    return CubicSpline(time, x)(time, 1)
+
+
 def floor_acceleration(acceleration, rotation, omega, turning, arms, gravity):
     """What accelerometers fixed to points of a body show, in the body's axes, less their reading at rest.
 

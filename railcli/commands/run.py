@@ -69,6 +69,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
     from railcli.analysis.simulate import SteadyWindow, simulate
     from railcli.analysis.step_choice import with_step
     from railcli.analysis.warm import warm
+    from railcli.analysis.watch import Watch
     from railcli.files import inputs, results
     from railcli.files.output import results_folder, write_json
     from railcli.files.progress import Progress
@@ -85,6 +86,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
         tables = tables_for(case, quiet, announce)
         case, system, choice = with_step(case, assemble(case, tables))
         window = SteadyWindow(case.distance - case.average_over)
+        watch = Watch(system)
         series = results.TimeSeries(folder / results.TIME_SERIES, system, contact_channels)
         inputs.save(case, folder / inputs.INPUTS)
         write_json(folder / inputs.SCENARIO, case.as_dict())
@@ -92,6 +94,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
         def sink(rows):
             series(rows)
             window(rows)
+            watch(rows)
 
         try:
             with series, Progress("Run", case.duration, "s", quiet) as progress:
@@ -125,6 +128,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
             if with_figures:
                 files += report.figures(case, results.envelope(folder / results.TIME_SERIES), folder)
         record = report.summary(case, outcome, stretch, steady, provenance(case, tables), files, step.as_json(choice))
+        record["alternation"] = watch.warning
         lines = report.report(case, outcome, stretch, steady, step.words(choice))
         if case.irregularity:
             from railcli.analysis.irregularity_spectrum import bands, of_scenario
@@ -134,6 +138,8 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
             rows = bands(rails)
             record["irregularity"] = irregularity.as_json(rails, rows)
             lines += ["", *irregularity.in_a_run(rails, rows)]
+        if watch.warning:
+            lines += ["", f"Warning: {watch.warning}"]
         record["folder"] = folder
         if with_assessment and outcome.rows:
             record["assessment"], judged = _assessment(folder, outcome.fault)

@@ -103,6 +103,6 @@ class FilteredSeries:
                 dataset = grown(group, f"{path}/{channel}", (), "N", "force on the rail, low-passed", "f4")
                 yield dataset, lambda block, at=span.start + w: block.filtered[:, at]
             start = still.t_gamma.start + len(PARTS) * w
-            about = f"wear number of the contacts on each part of the wheel profile: {', '.join(PARTS)}; mean of the steps"
+            about = f"wear number of the contacts on each part of the profile: {', '.join(PARTS)}; mean of the steps"
             dataset = grown(group, f"{path}/T_gamma", (len(PARTS),), "N", about, "f4")
             yield dataset, lambda block, start=start: block.still[:, start : start + len(PARTS)]

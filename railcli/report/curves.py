@@ -81,6 +81,11 @@ class Curves:
         """A channel of single numbers."""
         return self.thinned([channel], lambda values: values[:, None])[0]
 
+    def of_steps(self, channel, end):
+        """Name of the channel of its least or greatest value of a step; itself where only instants were recorded."""
+        name = f"{channel}_{end}"
+        return name if name in self.results.channels else channel
+
     @cached_property
     def wheelsets(self):
         """Names of the right and left wheel of each wheelset."""

@@ -72,7 +72,9 @@ def tables(several):
         found["steady"] = _steady(several)
     found["largest"] = Table(
         "Largest values", ["", *labels], _side_by_side([_largest(one) for one in several]),
-        "Of all recorded rows, not filtered; s is the arc length of the first body.",
+        "Q, Y and accelerations: of every step; all else of recorded rows, Y/Q of means over their intervals (in results "
+        "of earlier versions all of rows). No filter: a single peak need not converge with the step, on flange impacts it "
+        "does not, and is no figure to judge by. s is the arc length of the first body.",
     )  # fmt: skip
     origins = [{key: shown(value) for key, value in flat(one.results.provenance).items()} for one in several]
     found["provenance"] = Table("Provenance", ["", *labels], _side_by_side(origins))
@@ -205,6 +207,10 @@ def _steady(several):
 def _largest(one):
     wheels = [(f"W{k + 1} {side}", pair[i]) for k, pair in enumerate(one.wheelsets) for i, side in enumerate(SIDES)]
     wheelsets = [(f"W{k + 1}", name) for k, name in enumerate(one.results.wheelsets)]
+
+    def forces(name, end):
+        return [(label, 1e-3 * one.single(one.of_steps(f"wheels/{w}/{name}", end))) for label, w in wheels]
+
     found = {
         "lateral displacement of a wheelset [mm]": _extreme(
             one, [(label, 1e3 * one.component(f"bodies/{name}/position", 1)) for label, name in wheelsets], np.abs
@@ -212,17 +218,16 @@ def _largest(one):
         "yaw of a wheelset [mrad]": _extreme(
             one, [(label, 1e3 * one.component(f"bodies/{name}/rotation", 2)) for label, name in wheelsets], np.abs
         ),
-        "Q, largest [kN]": _extreme(one, [(label, 1e-3 * one.single(f"wheels/{w}/Q")) for label, w in wheels], _same),
-        "Q, smallest [kN]": _extreme(
-            one, [(label, 1e-3 * one.single(f"wheels/{w}/Q")) for label, w in wheels], np.negative
-        ),
-        "Y [kN]": _extreme(one, [(label, 1e-3 * one.single(f"wheels/{w}/Y")) for label, w in wheels], np.abs),
+        "Q, largest [kN]": _extreme(one, forces("Q", "greatest"), _same),
+        "Q, smallest [kN]": _extreme(one, forces("Q", "least"), np.negative),
+        "Y [kN]": _extreme(one, [*forces("Y", "greatest"), *forces("Y", "least")], np.abs),
         "Y/Q towards the flange": _extreme(one, [(label, one.quotient(w)) for label, w in wheels], _same),
     }
     for body in one.sprung:
         for direction, k in (("lateral", 1), ("vertical", 2)):
-            values = one.component(f"bodies/{body}/acceleration", k)
-            found[f"{body}, {direction} acceleration [m/s\N{SUPERSCRIPT TWO}]"] = _extreme(one, [("", values)], np.abs)
+            channels = (one.of_steps(f"bodies/{body}/acceleration", end) for end in ("greatest", "least"))
+            both = [("", one.component(channel, k)) for channel in channels]
+            found[f"{body}, {direction} acceleration [m/s\N{SUPERSCRIPT TWO}]"] = _extreme(one, both, np.abs)
     return found
 
 

@@ -31,7 +31,7 @@ def curved(hand="left", radius=500.0, length=1000.0):
 class Recorded:
     """Results in memory: the wagon rolls steadily, its wheels carry their static loads, nothing else happens."""
 
-    fault = ""
+    fault, filtered = "", None
 
     def __init__(self, track=STRAIGHT, seconds=40.0, rate=100.0, speed=SPEED, vehicle=None):
         self.scenario = load("straight-60").varied(

@@ -11,7 +11,7 @@ from railcli.files.output import write_json
 from railcli.files.read_results import Results
 from railcli.files.results import TimeSeries
 from railcli.files.scenario import load
-from railcli.kernels.recording import new_rows
+from railcli.kernels.recording import averaged, new_rows
 
 SEED = 2
 ROWS = 2300
@@ -24,7 +24,7 @@ def folder(wagon, tmp_path):
     rows = new_rows(wagon.model, ROWS)
     rows.time[:] = 0.01 * np.arange(1, ROWS + 1)
     rows.q[...] = random.normal(size=rows.q.shape)
-    rows.rail["y"][...] = random.normal(size=rows.rail["y"].shape)
+    rows.mean[...] = random.normal(size=rows.mean.shape)
     rows.contact["depth"][...] = random.normal(size=rows.contact["depth"].shape)
     with TimeSeries(tmp_path / "timeseries.h5", wagon) as series:
         series(rows)
@@ -42,7 +42,7 @@ def test_what_was_written_is_read(folder, wagon):
             assert results.wheels[:3] == ("W1_right", "W1_left", "W2_right")
             assert np.array_equal(results.time, rows.time)
             assert np.array_equal(results.s, rows.q[:, 0, 0])
-            assert np.array_equal(results.read("wheels/W2_left/Y"), rows.rail["y"][:, 3])
+            assert np.array_equal(results.read("wheels/W2_left/Y"), rows.mean[:, averaged(8, 7).y][:, 3])
             assert np.array_equal(results.read("bodies/bogie 1/rotation", 5, 9), rows.q[5:9, 1, 3:])
             assert results.scenario == load("curve-300")
             assert results.provenance == {"railcli": "0.0"} and results.fault == ""

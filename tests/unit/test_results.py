@@ -10,7 +10,7 @@ import pytest
 from railcli.errors import InputError, SimulationError
 from railcli.files.growing_hdf5 import GrowingHdf5, uninterrupted
 from railcli.files.results import CHUNK, TimeSeries, envelope, main_channels, pieces, write_main_channels
-from railcli.kernels.recording import new_rows
+from railcli.kernels.recording import averaged, new_rows
 
 SEED = 1
 
@@ -56,16 +56,21 @@ def test_rows_are_read_as_they_came(wagon, tmp_path, count):
         for part in parts:
             series(part)
     assert os.listdir(tmp_path) == ["a.h5"]
+    spans = averaged(8, 7)
     with h5py.File(tmp_path / "a.h5") as file:
         assert np.array_equal(file["time"], rows.time)
         for i, name in enumerate(wagon.bodies):
             body = file[f"bodies/{name}"]
             assert np.array_equal(body["position"], rows.q[:, i, :3])
             assert np.array_equal(body["rotation"], rows.q[:, i, 3:])
-            assert np.array_equal(body["acceleration"], rows.acceleration[:, i])
+            felt = slice(spans.acceleration.start + 3 * i, spans.acceleration.start + 3 * i + 3)
+            for end, values in (("", rows.mean), ("_least", rows.least), ("_greatest", rows.greatest)):
+                assert np.array_equal(body[f"acceleration{end}"], values[:, felt])
         right = file["wheels/W1_right"]
-        assert np.array_equal(right["Y"], rows.rail["y"][:, 0])
-        assert np.array_equal(file["wheels/W4_left/Q"], rows.rail["q"][:, 7])
+        assert np.array_equal(right["X"], rows.mean[:, spans.x][:, 0])
+        assert np.array_equal(right["Y"], rows.mean[:, spans.y][:, 0])
+        for end, values in (("", rows.mean), ("_least", rows.least), ("_greatest", rows.greatest)):
+            assert np.array_equal(file[f"wheels/W4_left/Q{end}"], values[:, spans.q][:, 7])
         there = rows.contact["depth"][:, 0] > 0.0
         assert np.array_equal(right["contact/normal"], np.where(there, rows.contact["normal"][:, 0], 0.0))
         assert np.array_equal(right["contact/xi"], np.where(there, rows.contact["xi"][:, 0], np.nan), equal_nan=True)
@@ -126,15 +131,15 @@ def test_csv_has_a_column_for_each_main_channel(wagon, tmp_path):
     write_main_channels([main], tmp_path / "main.csv")
     header, *lines = (tmp_path / "main.csv").read_text().splitlines()
     values = dict(zip(header.split(","), np.array([line.split(",") for line in lines], float).T, strict=True))
-    wheelset = wagon.wheelsets[1]
+    wheelset, spans = wagon.wheelsets[1], averaged(8, 7)
     expected = {
         "time_s": rows.time,
         "s_m": rows.q[:, 0, 0],
         "W2_y_mm": 1e3 * rows.q[:, wheelset, 1],
         "W2_yaw_mrad": 1e3 * rows.q[:, wheelset, 5],
-        "W2_left_Y_kN": 1e-3 * rows.rail["y"][:, 3],
-        "W2_left_Q_kN": 1e-3 * rows.rail["q"][:, 3],
-        "car_body_ay_m_per_s2": rows.acceleration[:, 0, 1],
+        "W2_left_Y_kN": 1e-3 * rows.mean[:, spans.y][:, 3],
+        "W2_left_Q_kN": 1e-3 * rows.mean[:, spans.q][:, 3],
+        "car_body_ay_m_per_s2": rows.mean[:, spans.acceleration][:, 1],
     }
     for name, column in expected.items():
         np.testing.assert_allclose(values[name], column, rtol=1e-8)

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from .. import indices
 from .values import Trace
@@ -84,7 +83,7 @@ def _accelerations(run, body, points, rows):
     if run.filtered:
         turning = run.source.read(f"bodies/{body}/angular_acceleration", *rows)
     else:
-        turning = CubicSpline(run.interval * np.arange(len(omega)), omega)(run.interval * np.arange(len(omega)), 1)
+        turning = indices.derivative(omega, run.rate)
     arms, gravity = np.array([point.arm for point in points]), run.scenario.run.gravity
     values = indices.floor_acceleration(acceleration, rotation, omega, turning, arms, gravity)
     return run.places(body, *rows), values

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-BLOCK = 20_000  # rows evaluated at once
+BLOCK = 100_000  # rows evaluated at once
 STRIDE = 100  # rows between the places that are kept
 
 
