@@ -225,6 +225,8 @@ class Scenario(Description):
     @model_validator(mode="after")
     def _fits_together(self):
         if not math.isfinite(self.duration):
+            if self.run.course is None:
+                raise ValueError(f"run: {self.distance:g} m at {self.run.speed:g} m/s take for ever")
             raise ValueError(
                 f"run.distance_m: must be at most the {self.run.course.travelled(self.run.course.time[-1]):g} m after "
                 f"which speed_course stands, got {self.distance:g} m"
