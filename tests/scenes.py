@@ -198,7 +198,7 @@ def lone_wheelset(table, speed, step=0.5e-3, mass=2000.0, inertia=(1000.0, 100.0
         vehicle=Vehicle(name="lone wheelset", bodies=(body,)),
         run=Run(speed=speed, step=step, output_interval=step),
         track=track or Track((Straight(length=500.0),)),
-        contact=Contact(flange_back=settings.flange_back, **contact),
+        contact=Contact(**{"flange_back": settings.flange_back, "creep_law": "hard", **contact}),
     )
     return assemble(scenario, [table])
 

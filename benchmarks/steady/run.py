@@ -139,7 +139,7 @@ def against_newton(case, tables=None):
         data.q[:] = solved.q
         data.q[:, 0] -= data.q[0, 0]
         data.v[:] = solved.v
-        data.damper[:] = solved.damper
+        data.damper[:], data.held[:] = solved.damper, solved.held
         value = np.linalg.eigvals(linear_about(system, copied(data), case.speed, curved=True).matrix)
         most = value[value.real.argmax()]
         growth, at = float(most.real), abs(float(most.imag)) / (2.0 * np.pi)

@@ -19,6 +19,7 @@ from railcli.model.rails import constant as constant_rails
 from railcli.model.sections import Gradient, Straight, Transition
 from railcli.model.track import Track, constant_track, pack
 
+GROWN = 2  # times that the force which holds the speed takes over what an error of the speed asks of it
 SETTLED = 1e9  # half step for which dampers with series stiffness and dry friction carry no force [s]
 PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
 TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]; `_Steady.rounding` adds to it
@@ -398,6 +399,10 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0, asid
             f"no steady motion found at {speed:g} m/s, curvature {curvature:.4g} 1/m, cant {cant * 1e3:.3g} mm, "
             f"gradient {gradient * 1e3:.3g} per mille: an acceleration of {residual:.2g} m/s^2 stays"
         )
+    for _ in range(GROWN if speed > 0.0 else 0):
+        motion.data.held[:] = motion.data.traction
+        x, turning, residual, more = _solve(motion, x, turning)
+        total += more
     return _finish(motion, x, turning, residual, total)
 
 

@@ -106,6 +106,7 @@ def _measure(scenario, budget, count, warm_up, spin, realtime, quiet):
     from railcli.files.tables import tables_for
     from railcli.model.system import assemble
     from railcli.report.step import as_json
+    from railcli.report.text import conditions_json
     from railcli.runtime import pacing, timing
 
     def say(text):
@@ -140,6 +141,7 @@ def _measure(scenario, budget, count, warm_up, spin, realtime, quiet):
         "scenario": scenario.name,
         "title": scenario.title,
         "speed_ms": scenario.run.speed,
+        **conditions_json(scenario),
         **found,
         **timing.describe_course(course, count),
         "step": as_json(choice),

@@ -154,13 +154,26 @@ def varied(scenario, group, key, value):
     name = f"{stem}_{unit.si}" if unit else stem
     fields = type(getattr(scenario, group)).model_fields
     field = next(field for field in fields if name in (field, fields[field].alias))
+    before = getattr(getattr(scenario, group), field)
+    symbol = f" {unit.symbol}" if unit else ""
+    instead = f", not {_in_unit(before, unit):.6g}{symbol}" if before is not None else ""
+    changes = (*scenario.changes, f"{stem} {value:g}{symbol}{instead}")
+    title = scenario.title.removesuffix(_told(scenario.changes)) + _told(changes)
     try:
-        return scenario.varied(**{group: {field: si}})
+        return scenario.varied(**{group: {field: si}}, changes=changes, title=title)
     except ValidationError as error:
         problem = error.errors(include_url=False)[0]
         text = problem["msg"].removeprefix("Value error, ")
         allowed = toml.out_of_bounds(problem, unit) or f"{text[0].lower()}{text[1:]}"
         raise InputError(f"{group}.{key}", f"{allowed}; got {value:g}") from None
+
+
+def _in_unit(value, unit):
+    return value * unit.over / unit.times if unit else value
+
+
+def _told(changes):
+    return f" [{'; '.join(changes)}]" if changes else ""
 
 
 def load_vehicle(vehicle, folder=None):

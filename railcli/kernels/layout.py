@@ -76,7 +76,7 @@ PARAM = np.dtype(
         ("hold", "f8"),  # force per speed error on the first body, along its track tangent [N s/m]
         ("hold_rate", "f8"),  # at which that force grows while there is an error [1/s]
         ("creep_law", "i8"),  # Creep
-        ("creep_speed", "f8"),  # creepages are divided by at least this speed [m/s]
+        ("creep_speed", "f8"),  # creepages are divided by at least this; below it patches remember [m/s]
         ("settled", "f8"),  # change of creepages within which a step takes creep forces as linear in them [-]
         ("fastsim_grid", "i8"),  # strips of a patch, and elements of a strip
         ("adhesion_reduction", "f8"),  # k_A of Polach's law [-]
@@ -359,7 +359,7 @@ class Data(NamedTuple):
     dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
     damper: np.ndarray  # state: (n_state,) lengths of dampers with series stiffness, of friction; leaf springs [m, N]
     tension: np.ndarray  # state: (n_stiff,) of what acts implicitly in its rate, at the last step [N], [N m]
-    lag: np.ndarray  # state: (n_wheel, MAX_CONTACT, 4) creepages of slow patches [-], place [m], 1: is one
+    lag: np.ndarray  # state: (n_wheel, MAX_CONTACT, 6) slow patches: strain [N], place [m], 1: is one; then derived
     clock: np.ndarray  # state: (1,) time [s]
     held: np.ndarray  # state: (1,) grown part of the force that holds the speed [N]
     q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
@@ -432,7 +432,7 @@ def new_data(model, q, n_damper):
         dv=np.zeros((n_body, 6)),
         damper=np.zeros(n_damper),
         tension=np.zeros(n_stiff),
-        lag=np.zeros((n_wheel, MAX_CONTACT, 4)),
+        lag=np.zeros((n_wheel, MAX_CONTACT, 6)),
         clock=np.zeros(1),
         held=np.zeros(1),
         q_start=np.zeros((n_body, 6)),

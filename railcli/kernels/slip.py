@@ -11,8 +11,8 @@ from .layout import MAX_CONTACT
 from .shift import IDEAL, rail_axes, turned
 from .vec3 import add, cross, dot, get, scale, sub
 
-SLOW = 2.0  # speed below which a patch remembers how it was strained [m/s]
 SLIDING = 10.0  # times the creepage of full slip in linear theory: no patch remembers more, once it slides no more
+SOFTNESS = 1e-4  # time over which the spring of a patch at rest is damped: 7 % of critical at 220 Hz [s]
 SAME_PATCH = 3e-3  # distance on the wheel profile within which patches of two steps are the same [m]
 
 
@@ -59,7 +59,7 @@ def slip_wheelset(model, data, first, step):
         way = 1.0 if v[0] >= 0.0 else -1.0
         speed = sqrt(dot(v, v))
         per_speed = 1.0 / max(speed, param["creep_speed"])
-        slow = step > 0.0 and speed < SLOW
+        slow = step > 0.0 and speed < param["creep_speed"]
         k, advance = get(frame["rate"]), get(frame["advance"])
         axes = rail_axes(rail) if shifted else IDEAL
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -134,44 +134,48 @@ def slip_wheelset(model, data, first, step):
 
 @seldom
 def remembered(model, data, w, j, step, speed, way, slip_x, slip_t):
-    """Creepages of patch j of wheel w below SLOW: what they keep of data.lag, and per slip velocity (theory.md 7.3).
+    """Creepages of patch j of a slow wheel w: what they keep of data.lag, and per slip velocity (theory.md 8.3).
 
     Returns per_x, per_t [s/m] and kept_x, kept_t [-]: creepage = kept + per slip. way : as in `slip_wheelset`.
     """
     contact, lag = data.contact[w, j], data.lag[w]
     table = model.table[model.wheel[w]["table"]]
     spring = 4.0 * table["shear"] * sqrt(contact["semi_x"] * contact["semi_y"]) / (2.0 - table["poisson"])
-    fade = 1.0 - speed / SLOW
+    per_speed = 1.0 / model.param[0]["creep_speed"]
+    fade = 1.0 - speed * per_speed
     long_x, long_t = fade * fade * contact["f11"] / spring, fade * fade * contact["f22"] / spring
-    per_speed = 1.0 / max(speed, model.param[0]["creep_speed"])
-    last_x, last_t, nearest = 0.0, 0.0, SAME_PATCH
+    pull_x, pull_t, nearest = 0.0, 0.0, SAME_PATCH
     for k in range(MAX_CONTACT):
         away = abs(lag[k, 2] - contact["lateral"])
         if lag[k, 3] > 0.0 and away < nearest:
-            last_x, last_t, nearest = way * lag[k, 0], way * lag[k, 1], away
-    linear_x, linear_t = contact["f11"] * last_x, contact["f22"] * last_t
-    most = SLIDING * model.wheel[w]["friction"] * contact["normal"] / max(
-        sqrt(linear_x * linear_x + linear_t * linear_t), 1e-300
-    )
-    most = max(most, per_speed * sqrt(slip_x * slip_x + slip_t * slip_t) / max(sqrt(last_x**2 + last_t**2), 1e-300))
-    share = min(most, 1.0)
-    rest_x, rest_t = 1.0 / (long_x + step * speed), 1.0 / (long_t + step * speed)
-    return step * rest_x, step * rest_t, share * long_x * rest_x * last_x, share * long_t * rest_t * last_t
+            pull_x, pull_t, nearest = way * lag[k, 0], way * lag[k, 1], away
+    now_x, now_t = contact["f11"] * slip_x, contact["f22"] * slip_t
+    sliding = SLIDING * model.wheel[w]["friction"] * contact["normal"]
+    most = max(sliding, per_speed * sqrt(now_x * now_x + now_t * now_t))
+    share = min(most / max(sqrt(pull_x * pull_x + pull_t * pull_t), 1e-300), 1.0)
+    last_x, last_t = share * pull_x / contact["f11"], share * pull_t / contact["f22"]
+    lag[j, 4], lag[j, 5] = last_x, last_t
+    lively = SOFTNESS / step
+    rest_x, rest_t = (1.0 + lively) / (long_x + step * speed), (1.0 + lively) / (long_t + step * speed)
+    kept_x, kept_t = (long_x * rest_x - lively) * last_x, (long_t * rest_t - lively) * last_t
+    return step * rest_x, step * rest_t, kept_x, kept_t
 
 
 @kernel
-def remember(model, data):
-    """Keep the creepages of the patches of slow wheels in data.lag, for the next step."""
+def remember(model, data, step):
+    """Keep how the patches of slow wheels are strained, as linear creep forces, in data.lag; step : just made [s]."""
+    lively, slow = SOFTNESS / step, model.param[0]["creep_speed"]
     for w in range(model.wheel.size):
         i, lag = model.wheel[w]["body"], data.lag[w]
         v = (data.v[i, 0], data.v[i, 1], data.v[i, 2])
-        patches = int(data.rail[w]["patches"]) if dot(v, v) < SLOW * SLOW else 0
+        patches = int(data.rail[w]["patches"]) if dot(v, v) < slow * slow else 0
         if patches == 0 and lag[0, 3] == 0.0:
             continue
         way = 1.0 if v[0] >= 0.0 else -1.0
         for j in range(MAX_CONTACT):
             contact = data.contact[w, j]
-            lag[j, 0], lag[j, 1] = way * contact["xi"], way * contact["eta"]
+            lag[j, 0] = way * contact["f11"] * (contact["xi"] + lively * lag[j, 4]) / (1.0 + lively)
+            lag[j, 1] = way * contact["f22"] * (contact["eta"] + lively * lag[j, 5]) / (1.0 + lively)
             lag[j, 2], lag[j, 3] = contact["lateral"], 1.0 if j < patches else 0.0
 
 

@@ -196,7 +196,7 @@ def step(model, data):
     if status != 0:
         return status
     accelerate(model, data, THETA * h)
-    remember(model, data)
+    remember(model, data, h)
     if data.stiff.size > 0:
         settle_tensions(model, data, THETA * h)
     for i in range(n):

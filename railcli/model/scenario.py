@@ -210,6 +210,7 @@ class Scenario(Description):
     name: Name
     title: Text = ""
     description: Text = ""
+    changes: tuple[Text, ...] = ()  # what options of a command replaced, in words; the title tells it too
     cant_base: Annotated[Real, Field(ge=0.5, le=2.2)] = Field(1.5, alias="cant_base_m")
     cant_pivot: Literal["centre", "inner", "outer"] = "centre"  # what stays at its height where there is cant
     vehicle: Vehicle
@@ -225,6 +226,8 @@ class Scenario(Description):
     @model_validator(mode="after")
     def _fits_together(self):
         if not math.isfinite(self.duration):
+            if self.run.course is None:
+                raise ValueError(f"run: {self.distance:g} m at {self.run.speed:g} m/s take for ever")
             raise ValueError(
                 f"run.distance_m: must be at most the {self.run.course.travelled(self.run.course.time[-1]):g} m after "
                 f"which speed_course stands, got {self.distance:g} m"
@@ -343,7 +346,7 @@ class Scenario(Description):
         Profiles, measured tracks and contact tables count by what they hold, not by the names of their files.
         """
         values = self.as_dict()
-        for key in ("name", "title", "description", "limits"):
+        for key in ("name", "title", "description", "changes", "limits"):
             del values[key]
         left = zip(("left_wheel_profile", "left_rail_profile", "left_table"), self.contact.sides[1], strict=True)
         values["contact"].update(left)

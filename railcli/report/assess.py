@@ -11,7 +11,7 @@ from railcli.model.assessment import FIGURES, GROUPS, NOT_CONSULTED
 
 from .figures import GREY, SERIES, VERMILION, draw
 from .run import track_strip
-from .text import columns, facts
+from .text import columns, conditions, facts
 
 SHOWN = {"kN": 1e-3}  # factor from SI to the unit that a figure is shown in
 PANELS = (  # figure, label of the axis, both signs of the limit
@@ -65,7 +65,7 @@ def head(name, scenario, assessment):
     )
     pairs = [
         ("evaluated", f"{sections}, without the first {given['run_in_s']:g} and the last {given['run_out_s']:g} s"),
-        ("speed", f"{given['speed_m_per_s']:g} m/s"),
+        *conditions(scenario),
         ("recorded", f"at {given['recorded_Hz']:g} Hz"),
         ("Nadal", f"flange angle {angle:g} degrees, friction {given['friction']:g}"),
     ]

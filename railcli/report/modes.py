@@ -9,7 +9,7 @@ from railcli.analysis.linear import STEP
 
 from . import mode_pictures
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
-from .text import columns, facts
+from .text import columns, conditions, conditions_json, facts
 
 HIGH = 50.0  # frequencies beyond are printed when asked for only [Hz]
 DEAD = 0.95  # damping ratios beyond likewise
@@ -64,6 +64,7 @@ def report(scenario, lines, modes, change, shapes, everything):
     text = [f"{scenario.name}: {scenario.vehicle.name} at {linear.speed:g} m/s on straight level track"]
     text += facts(
         [
+            *conditions(scenario),
             *contact_facts(lines),
             ("states", f"{linear.matrix.shape[0]}, without the place along the track and the spin angles of wheelsets "
              f"({spins}), on which nothing depends; {_free(modes.free)}"),
@@ -128,7 +129,7 @@ def as_json(scenario, lines, modes, change, shapes, provenance, files):
     return {
         "scenario": scenario.name,
         "vehicle": scenario.vehicle.name,
-        "speed_m_per_s": linear.speed,
+        **conditions_json(scenario),
         "contact": None if lines is None else [line.as_dict() for line in lines],
         "states": linear.matrix.shape[0],
         "left_out": modes.free,

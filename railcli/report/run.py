@@ -9,13 +9,15 @@ from numpy.polynomial.polynomial import polyval
 from railcli.model.track import pack
 
 from .figures import GREY, SERIES, draw
-from .text import columns, facts
+from .text import columns, conditions, conditions_json, facts
 
 LINE = 118  # characters of a description
 FIGURES = ("wheelsets", "wheel_loads", "lateral_forces", "accelerations")
 PIECE_POINTS = 9  # at which the curvature of a piece of track is drawn
 LABELLED = 0.12  # of the width: shorter sections are not named
 SHADE = {"transition": 0.08, "measured": 0.08, "curve": 0.16}
+OFF_BALANCE = 0.005  # share of a sum of rail forces by which it may differ from its balance without a word
+LEAST_OFF = 200.0  # where that sum is small [N]
 DIFFERENCE = 1e-5  # between the end of a run and Newton's steady motion that is worth a warning [m]
 
 
@@ -73,6 +75,21 @@ def settled(mean, newton, dry):
     return ""
 
 
+def unbalanced(mean, expected):
+    """A warning when sum Y or sum Q is not what the motion asks for; empty when they are.
+
+    expected : lateral and vertical balance [N], as `steady_values.expected_forces` gives it.
+    """
+    found = mean.y_force.sum(), mean.q_force.sum()
+    allowed = max(OFF_BALANCE * abs(expected[0]), LEAST_OFF), OFF_BALANCE * expected[1]
+    off = [
+        f"sum {name} differs from its balance by {(force - wanted) * 1e-3:+.2f} kN"
+        for name, force, wanted, within in zip("YQ", found, expected, allowed, strict=True)
+        if abs(force - wanted) > within
+    ]
+    return f"{' and '.join(off)}: the run is not steady there, or wrong." if off else ""
+
+
 def _two_sides(scenario):
     """Facts about profiles and radii of both sides, where these differ."""
     lines = []
@@ -106,21 +123,25 @@ def report(scenario, outcome, stretch, steady, step):
         The time step in words, as `report.step.words` gives it.
     """
     reached = f"{outcome.distance:.1f} m, {outcome.time:.2f} s"
+    if outcome.fault:
+        planned = scenario.distance, scenario.duration
+        reached = f"{outcome.distance:.1f} of {planned[0]:.1f} m, {outcome.time:.2f} of {planned[1]:.2f} s"
     lines = [f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name]
     lines += textwrap.wrap(scenario.description, LINE, initial_indent="  ", subsequent_indent="  ")
     lines += facts(
         [
             ("reached", reached),
-            ("speed", f"{scenario.run.speed:g} m/s"),
+            *conditions(scenario),
             *step,
             *_two_sides(scenario),
             ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
         ]
     )
     if outcome.fault:
-        return lines
+        return [*lines, "", f"Broken off: {outcome.fault}"]
     if stretch is None:
-        return [*lines, "", "The run does not end in one straight or curve: no steady values."]
+        end = "at one speed" if scenario.final_speed is None else "in one straight or curve"
+        return [*lines, "", f"The run does not end {end}: no steady values."]
     if steady is None:
         return lines
     mean, swing, newton, expected, (traction, weight) = steady
@@ -136,8 +157,8 @@ def report(scenario, outcome, stretch, steady, step):
             f"  Gradient {1e3 * stretch.gradient:.4g} per mille: traction {traction * 1e-3:.2f} kN "
             f"(weight along the track {weight * 1e-3:.2f})"
         )
-    warning = settled(mean, newton, scenario.vehicle.is_dry)
-    return [*lines, f"  {warning}"] if warning else lines
+    warnings = unbalanced(mean, expected), settled(mean, newton, scenario.vehicle.is_dry)
+    return [*lines, *(f"  {warning}" for warning in warnings if warning)]
 
 
 def figures(scenario, main, folder):
@@ -227,6 +248,8 @@ def summary(scenario, outcome, stretch, steady, provenance, files, step):
     """What summary.json holds; units in the names."""
     record = {
         "scenario": scenario.name,
+        "title": scenario.title,
+        **conditions_json(scenario),
         "finished": not outcome.fault,
         "fault": outcome.fault,
         "time_s": outcome.time,
@@ -257,6 +280,13 @@ def summary(scenario, outcome, stretch, steady, provenance, files, step):
         "traction_kN": traction * 1e-3,
         "weight_along_kN": weight * 1e-3,
         "warning": settled(mean, newton, scenario.vehicle.is_dry),
+    }
+    record["balance"] = {
+        "sum_Y_kN": float(mean.y_force.sum() * 1e-3),
+        "expected_Y_kN": expected[0] * 1e-3,
+        "sum_Q_kN": float(mean.q_force.sum() * 1e-3),
+        "expected_Q_kN": expected[1] * 1e-3,
+        "warning": unbalanced(mean, expected),
     }
     return record
 

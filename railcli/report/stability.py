@@ -192,6 +192,8 @@ def as_json(scenario, lines, loci, cycles, threshold, measures, step, provenance
         "vehicle": scenario.vehicle.name,
         "friction": scenario.contact.friction,
         "creep_law": scenario.contact.creep_law,
+        "normal": scenario.contact.normal,
+        "changes": list(scenario.changes),
         "linear": [
             {
                 "contact": [one.as_dict() for one in line],

@@ -30,3 +30,36 @@ def sectioned(head, sections, last):
     for title, body in sections:
         lines += ["", title, *body]
     return "\n".join([*lines, "", last])
+
+
+def speed(metres_per_second):
+    """A speed in both units."""
+    return f"{metres_per_second:g} m/s ({3.6 * metres_per_second:.4g} km/h)"
+
+
+def conditions(scenario):
+    """What decides a result beside vehicle and track, as `facts`: speed, friction, laws, and what was changed."""
+    run, contact = scenario.run, scenario.contact
+    if run.course is None:
+        asked = speed(run.speed)
+    else:
+        asked = f"{min(run.course.speed):g} to {speed(run.speed)}, over time"
+    falls = f", falling to {contact.friction_ratio:g} of it" if contact.friction_decay > 0.0 else ""
+    pairs = [
+        ("speed", asked),
+        ("friction", f"{contact.friction:g}{falls}"),
+        ("laws", f"creep {contact.creep_law}, normal {contact.normal}"),
+    ]
+    return [*pairs, ("changed", "; ".join(scenario.changes))] if scenario.changes else pairs
+
+
+def conditions_json(scenario):
+    """As `conditions`, for a machine; units in the names."""
+    return {
+        "speed_m_per_s": scenario.run.speed,
+        "speed_kmh": 3.6 * scenario.run.speed,
+        "friction": scenario.contact.friction,
+        "creep_law": scenario.contact.creep_law,
+        "normal": scenario.contact.normal,
+        "changes": list(scenario.changes),
+    }

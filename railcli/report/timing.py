@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
-from .text import columns, facts
+from .text import columns, facts, speed
 
 BINS_PER_DECADE = 40
 SAMPLES = {"call": "call", "wake_up": "wake-up", "wake_up_and_call": "wake-up and call"}
@@ -84,7 +84,8 @@ def summary(found):
     ]
     back = {0: "not needed here", 1: "once"}.get(found["rewinds"], f"{found['rewinds']:,} times")
     pairs = [
-        ("scenario", f"{found['scenario']}, {found['speed_ms']:g} m/s"),
+        ("scenario", f"{found['scenario']}, {speed(found['speed_ms'])}"),
+        ("rails", f"friction {found['friction']:g}, creep law {found['creep_law']}, normal law {found['normal']}"),
         ("kept state", f"t = {kept['time_s']:.2f} s, s = {kept['distance_m']:.1f} m, {_loaded(kept['patches'])}"),
         ("from there", f"{found['lap_s']:.4g} s to the end, then on from the kept state again ({back})"),
         ("calls", _calls(found)),

@@ -61,7 +61,9 @@ def finished(table, tmp_path_factory):
     case = inputs(place / "inputs", table)
     result = railcli("run", "scenario", case, "-o", place / "out", "-q", "--no-figures")
     assert result.exit_code == 0, result.stderr
-    return place, load(case)
+    with Results(place / "out") as found:
+        step = found.scenario.run.step  # chosen by the run
+    return place, load(case).varied(run={"step": step})
 
 
 def changed(folder):

@@ -14,6 +14,7 @@ SCENARIO = """
 [run]
 speed_m_per_s = 30
 [contact]
+creep_law = "hard"
 table = "{table}"
 [[track]]
 kind = "straight"

@@ -9,6 +9,7 @@ import tolerances as tol
 from railcli.analysis.build_table import build_table
 from railcli.analysis.simulate import SteadyWindow, simulate
 from railcli.analysis.steady_values import expected_forces, final_stretch, weight_along
+from railcli.analysis.step_choice import with_step
 from railcli.files.scenario import builtin_scenarios, load
 
 KILO = 1e-3
@@ -24,7 +25,7 @@ def wide(profiles):
 def test_built_in_scenario(name, wide):
     case = load(name)
     assert case.title and case.description
-    system = scenes.wagon(wide, name)
+    case, system, _ = with_step(case, scenes.wagon(wide, name))
     window = SteadyWindow(case.distance - case.average_over)
     outcome = simulate(case, system, window)
     assert outcome.fault == ""

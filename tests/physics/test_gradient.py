@@ -60,7 +60,7 @@ def test_steady_motion_on_a_gradient_stays(slow):
     there = scenes.replaced(slow, track=track)
     state = steady(slow, CURVATURE, CANT, gradient=0.03).data
     data = there.start()
-    data.q[:], data.v[:], data.damper[:] = state.q, state.v, state.damper
+    data.q[:], data.v[:], data.damper[:], data.held[:] = state.q, state.v, state.damper, state.held
     scenes.run(there, data, 30.0)
     assert_allclose(data.q[:, [1, 2, 3, 5]], state.q[:, [1, 2, 3, 5]], rtol=0, atol=tol.STEADY_PLACE)
 

@@ -36,7 +36,7 @@ def in_curve(system, hand=1.0, length=3000.0, **param):
 def started(system, state):
     """Data that moves on from a steady motion."""
     data = system.start()
-    data.q[:], data.v[:], data.damper[:] = state.q, state.v, state.damper
+    data.q[:], data.v[:], data.damper[:], data.held[:] = state.q, state.v, state.damper, state.held
     return data
 
 

@@ -39,23 +39,24 @@ wheel_radius_m = 0.5
 [[joint]]
 name = "suspension"
 pairs = [["front", "box"], ["rear", "box"]]
+axes = "upper"
 
 [[joint.bushing]]
 name = "shackles"
-at_m = [0, 1, 0.6]
+at_m = [0, 1, 0.5]
 mirror = "y"
 stiffness_N_per_m = [1e6, 3e5, 0]
 carries_weight = true
 
 [[joint.bushing]]
 name = "helper spring"
-at_m = [0, 0, 0.6]
+at_m = [0, 0, 0.5]
 stiffness_N_per_m = [0, 0, 1e5]
 preload_N = 20000
 
 [[joint.leaf_spring]]
 name = "leaves"
-at_m = [0, 1, 0.6]
+at_m = [0, 1, 0.5]
 mirror = "y"
 stiffness_N_per_m = 8e5
 friction_N = 3000
@@ -63,7 +64,7 @@ decay_mm = 2
 
 [[joint.friction]]
 name = "shackle friction"
-at_m = [0, 1, 0.6]
+at_m = [0, 1, 0.5]
 mirror = "y"
 directions = "xy"
 limit_N = 100
