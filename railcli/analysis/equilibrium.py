@@ -237,14 +237,14 @@ def touching_depth(model, index=0):
 def _newton(motion, x, turning):
     """Damped Newton; the least-norm step leaves free what no force decides. Returns x, residual, iterations.
 
-    The residual is the largest acceleration over its tolerance, times TOLERANCE.
+    At least one step is taken, for a guess that is all but right. The residual is the largest acceleration over its tolerance, times TOLERANCE.
     """
     r, status = motion.accelerations(x, turning)
     if r is None:
         return x, np.inf, 0
     for iteration in range(1, ITERATIONS + 1):
         size = motion.size_of(r)
-        if size < TOLERANCE:
+        if size < TOLERANCE and iteration > 1:
             return x, size, iteration - 1
         jacobian = np.empty((r.size, x.size))
         for k in range(x.size):
