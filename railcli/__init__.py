@@ -3,7 +3,7 @@
 __version__ = "0.1.0"
 
 
-def open_results(path, *channels):
+def open_results(path, *channels, filtered=False):
     """Time series of a results folder as a pandas DataFrame.
 
     Parameters
@@ -12,6 +12,8 @@ def open_results(path, *channels):
         Folder that `railcli run` wrote, or the file of time series in it.
     *channels : str
         Globs of the channels to read, such as ``"wheels/*/Q"``; all without any.
+    filtered : bool
+        The low-passed rows at a fixed rate, of which an assessment is made, instead of those of the output interval.
 
     Returns
     -------
@@ -30,8 +32,9 @@ def open_results(path, *channels):
     >>> frame = railcli.open_results("results", "wheels/*/Q")  # doctest: +SKIP
     >>> frame.plot()  # doctest: +SKIP
     """
-    from railcli.files.columns import columns, data_frame
+    from railcli.files.columns import chosen_rows, columns, data_frame
     from railcli.files.read_results import Results
 
     with Results(path) as results:
-        return data_frame(results, columns(results, channels))
+        rows = chosen_rows(results, filtered)
+        return data_frame(rows, columns(rows, channels))

@@ -106,6 +106,8 @@ class Comparison:
         Instants at which both were compared [s], and arc length of the first result's first body there [m].
     common : bool
         What only one of them has is no difference.
+    of_intervals : int
+        Columns of means and extremes, which were not compared because the intervals of the rows differ.
     """
 
     differences: tuple
@@ -116,6 +118,7 @@ class Comparison:
     time: np.ndarray
     place: np.ndarray
     common: bool
+    of_intervals: int
 
     @property
     def beyond(self):
@@ -155,7 +158,12 @@ def compare_results(one, two, of_one, of_two, tolerances, common=False, progress
     names = {column.name: column for column in of_two}
     times = one.time, two.time
     rows_one, rows_two = common_instants(*times)
+    sampling = tuple(Sampling.of(time) for time in times)
     both = [(column, names[column.name]) for column in of_one if column.name in names]
+    of_intervals = [pair for pair in both if any(column.of_interval for column in pair)]
+    if np.isclose(*(when.interval for when in sampling), rtol=SAME_INSTANT):
+        of_intervals = []
+    both = [pair for pair in both if pair not in of_intervals]
     found, kept, values = [], None, None
     for k, (column, other) in enumerate(both):
         if column.units == other.units and rows_one.size:
@@ -170,10 +178,11 @@ def compare_results(one, two, of_one, of_two, tolerances, common=False, progress
         only_one=tuple(column.name for column in of_one if column.name not in names),
         only_two=tuple(name for name in names if name not in {column.name for column in of_one}),
         units_differ=tuple((a.name, a.units, b.units) for a, b in both if a.units != b.units),
-        sampling=tuple(Sampling.of(time) for time in times),
+        sampling=sampling,
         time=times[0][rows_one],
         place=one.s[rows_one],
         common=common,
+        of_intervals=len(of_intervals),
     )
 
 

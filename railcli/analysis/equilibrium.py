@@ -237,7 +237,8 @@ def touching_depth(model, index=0):
 def _newton(motion, x, turning):
     """Damped Newton; the least-norm step leaves free what no force decides. Returns x, residual, iterations.
 
-    At least one step is taken, for a guess that is all but right. The residual is the largest acceleration over its tolerance, times TOLERANCE.
+    At least one step is taken, for a guess that is all but right. The residual is the largest acceleration over
+    its tolerance, times TOLERANCE.
     """
     r, status = motion.accelerations(x, turning)
     if r is None:

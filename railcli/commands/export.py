@@ -21,12 +21,13 @@ def kind_of(to, output):
 @click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
 @click.option("--to", type=click.Choice(CHOICES), help="Format  [default: the output's ending, else csv]")
 @click.option("--channel", "patterns", multiple=True, metavar="GLOB", help="Channels to write; may be repeated.")
+@click.option("--filtered", is_flag=True, help="The low-passed rows that are assessed, instead of the recorded ones.")
 @click.option("--list", "only_list", is_flag=True, help="List the channels with unit and meaning, and stop.")
 @output_option("a new folder in railcli-out")
 @overwrite_option
 @format_option
 @quiet_option
-def export(results, to, patterns, only_list, output, overwrite, output_format, quiet):
+def export(results, to, patterns, filtered, only_list, output, overwrite, output_format, quiet):
     """Write the time series of a results folder as CSV, Parquet or MAT, with units.
 
     Columns are named like `wheels/W1_right/Q [N]`. --channel takes globs, whose * crosses slashes too.
@@ -36,8 +37,9 @@ def export(results, to, patterns, only_list, output, overwrite, output_format, q
       railcli export results --list
       railcli export results --channel 'wheels/*/[YQ]' --channel 'bodies/car body/*' -o forces.parquet
       railcli export results --to mat
+      railcli export results --filtered --channel '*/Q' -o q.csv
     """
-    from railcli.files.columns import columns
+    from railcli.files.columns import chosen_rows, columns
     from railcli.files.export import export as write
     from railcli.files.output import json_text, output_file, results_folder
     from railcli.files.progress import Progress
@@ -45,7 +47,8 @@ def export(results, to, patterns, only_list, output, overwrite, output_format, q
     from railcli.report.export import listing
 
     kind = kind_of(to, output)
-    with Results(results) as run:
+    with Results(results) as opened:
+        run = chosen_rows(opened, filtered)
         chosen = columns(run, patterns)
         record = {
             "results": run.folder,

@@ -17,13 +17,17 @@ VALUES = 2_000_000  # numbers of a piece of the table in memory
 
 
 class Column(NamedTuple):
-    """A column of the flat table; `component` is its place in the channel, None for a channel of single numbers."""
+    """A column of the flat table; `component` is its place in the channel, None for a channel of single numbers.
+
+    `of_interval` as that of read_results.Channel.
+    """
 
     name: str
     units: str
     description: str
     channel: str
     component: int | None
+    of_interval: bool = False
 
     @property
     def label(self):
@@ -90,6 +94,19 @@ def pieces(results, chosen):
         yield [column.of(values[column.channel]) for column in chosen]
 
 
+def chosen_rows(results, filtered):
+    """The rows of a result: those at its output interval, or the low-passed ones.
+
+    Raises
+    ------
+    InputError
+        Low-passed ones are wanted, and there are none.
+    """
+    if filtered and not results.filtered:
+        raise InputError(results.folder, "has no low-passed rows: an earlier version wrote it; run the scenario again")
+    return results.filtered if filtered else results
+
+
 def data_frame(results, chosen):
     """All rows of some columns as a DataFrame; its columns are named by their labels, its index is the time [s]."""
     import pandas
@@ -105,9 +122,9 @@ def data_frame(results, chosen):
 
 def _of_channel(channel):
     if not channel.components:
-        return [Column(channel.name, channel.units, channel.description, channel.name, None)]
+        return [Column(channel.name, channel.units, channel.description, channel.name, None, channel.of_interval)]
     return [
-        Column(f"{channel.name}/{component}", channel.units, channel.description, channel.name, k)
+        Column(f"{channel.name}/{component}", channel.units, channel.description, channel.name, k, channel.of_interval)
         for k, component in enumerate(channel.components)
     ]
 

@@ -10,6 +10,7 @@ from railcli.kernels.layout import Region
 from railcli.kernels.recording import averaged, instants
 
 FILTERED = "filtered"  # the group
+OF_INTERVAL = "of_interval"  # attribute of a dataset
 FELT = "what an accelerometer at the centre of mass shows, x, y, z of the track frame, gravity taken from z"
 CHUNK = 1000  # rows kept in memory, and in one chunk of the file
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -22,12 +23,17 @@ def wheel_group(system, wheel):
     return wheel_name(system, wheel).replace(" ", "_")
 
 
-def grown(file, name, shape, units, description, kind="f8"):
-    """A new dataset without rows, that can grow; `shape` is that of a row."""
+def grown(file, name, shape, units, description, kind="f8", of_interval=False):
+    """A new dataset without rows, that can grow.
+
+    shape : that of a row; of_interval : its values depend on how long the interval between two rows is.
+    """
     form = {"shape": (0, *shape), "maxshape": (None, *shape), "chunks": (CHUNK, *shape)}
     dataset = file.create_dataset(name, dtype=kind, **form, **COMPRESSION)
     dataset.attrs["units"] = units
     dataset.attrs["description"] = description
+    if of_interval:
+        dataset.attrs[OF_INTERVAL] = True
     return dataset
 
 

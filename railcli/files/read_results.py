@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from railcli.errors import InputError
 from railcli.model.scenario import Scenario
 
-from .filtered_series import CHUNK, FILTERED, PARTS
+from .filtered_series import CHUNK, FILTERED, OF_INTERVAL, PARTS
 from .growing_hdf5 import CHUNK_CACHE
 from .inputs import SCENARIO, restore
 from .results import FORMAT, FORMAT_VERSION, TIME_SERIES
@@ -37,12 +37,15 @@ class Channel(NamedTuple):
     units, description : str
     components : tuple of str
         Names of its columns; empty when a row is one number.
+    of_interval : bool
+        Means or extremes of steps: another interval between rows gives other values.
     """
 
     name: str
     units: str
     description: str
     components: tuple
+    of_interval: bool = False
 
 
 class Rows:
@@ -68,13 +71,19 @@ class Rows:
 
         def visit(name, item):
             if isinstance(item, h5py.Dataset) and name.split("/")[0] not in apart:
-                found[name] = Channel(name, *(item.attrs[key] for key in ("units", "description")), _columns(item))
+                about = (item.attrs[key] for key in ("units", "description"))
+                found[name] = Channel(name, *about, _columns(item), bool(item.attrs.get(OF_INTERVAL, False)))
                 if item.shape[0] != self.rows:
                     raise KeyError(name)
 
         group.visititems(visit)
         rest = sorted(found, key=lambda name: name.split("/")[0] not in ("time", "traction"))
         self.channels = {name: found[name] for name in ["time", *(name for name in rest if name != "time")]}
+
+    @property
+    def time(self):
+        """Time of every row, the end of a step [s], (n,)."""
+        return self.read("time")
 
     def read(self, name, start=0, stop=None):
         """Rows of a channel.
@@ -107,8 +116,14 @@ class Filtered(Rows):
     """What every step of a run gave, at a rate of its own, forces and accelerations low-passed: what is assessed."""
 
     def __init__(self, results, group):
+        self._results, self.folder = results, results.folder
         self.bodies, self.wheelsets, self.wheels = results.bodies, results.wheelsets, results.wheels
         self._hold(results._path, group)
+
+    @property
+    def provenance(self):
+        """That of the results."""
+        return self._results.provenance
 
 
 class Results(Rows):
@@ -158,11 +173,6 @@ class Results(Rows):
     def close(self):
         """Close the file; what was read stays."""
         self._file.close()
-
-    @property
-    def time(self):
-        """Time of every row, the end of a step [s], (n,)."""
-        return self.read("time")
 
     @property
     def s(self):

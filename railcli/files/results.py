@@ -196,7 +196,9 @@ class TimeSeries:
         system = self._system
         yield grown(file, "time", (), "s", "simulated time"), lambda rows: rows.time
         spans = averaged(system.model.wheel.size, system.model.body.size)
-        traction = grown(file, "traction", (), "N", "force that holds the speed; mean over the interval")
+        traction = grown(
+            file, "traction", (), "N", "force that holds the speed; mean over the interval", of_interval=True
+        )
         yield traction, lambda rows: rows.mean[:, spans.traction.start]
         for i, name in enumerate(system.bodies):
             for channel, (source, units, description) in BODY_CHANNELS.items():
@@ -204,12 +206,12 @@ class TimeSeries:
                 yield dataset, lambda rows, i=i, source=source: source(rows, i)
             start = spans.acceleration.start + 3 * i
             for channel, (key, description) in ACCELERATIONS.items():
-                dataset = grown(file, f"bodies/{name}/{channel}", (3,), "m/s^2", description)
+                dataset = grown(file, f"bodies/{name}/{channel}", (3,), "m/s^2", description, of_interval=True)
                 yield dataset, lambda rows, start=start, key=key: getattr(rows, key)[:, start : start + 3]
         for w in range(system.model.wheel.size):
             group = f"wheels/{wheel_group(system, w)}"
             for channel, (key, force, description) in FORCES.items():
-                dataset = grown(file, f"{group}/{channel}", (), "N", description)
+                dataset = grown(file, f"{group}/{channel}", (), "N", description, of_interval=True)
                 at = getattr(spans, force).start + w
                 yield dataset, lambda rows, at=at, key=key: getattr(rows, key)[:, at]
             for channel, (key, units, description) in RAIL_CHANNELS.items():

@@ -38,6 +38,8 @@ def text(one, two, found, tolerances, most):
         f"Compared: {len(found.differences):,} channels at {found.time.size:,} instants; tolerance: "
         f"{tolerances.relative:g} of a channel's range in A, at least {_absolute(found, tolerances)}"
     )
+    if found.of_intervals:
+        lines.append(f"Not compared: {found.of_intervals:,} channels of means and extremes, of intervals that differ.")
     worst = found.beyond
     if worst and most:
         lines.append("Channels that differ, the worst first:" if len(worst) <= most else
@@ -95,6 +97,7 @@ def as_json(one, two, found, tolerances):
         "relative": tolerances.relative,
         "absolute": tolerances.absolute,
         "compared": len(found.differences),
+        "not_compared_of_intervals": found.of_intervals,
         "channels": [
             {
                 "channel": item.name,

@@ -72,9 +72,9 @@ def tables(several):
         found["steady"] = _steady(several)
     found["largest"] = Table(
         "Largest values", ["", *labels], _side_by_side([_largest(one) for one in several]),
-        "Q, Y and accelerations: of every step; all else of recorded rows, Y/Q of means over their intervals (in results "
-        "of earlier versions all of rows). No filter: a single peak need not converge with the step, on flange impacts it "
-        "does not, and is no figure to judge by. s is the arc length of the first body.",
+        "Q, Y and accelerations: of every step; all else of recorded rows, Y/Q of means over their intervals (in "
+        "results of earlier versions all of rows). No filter: a single peak need not converge with the step, on flange "
+        "impacts it does not, and is no figure to judge by. s is the arc length of the first body.",
     )  # fmt: skip
     origins = [{key: shown(value) for key, value in flat(one.results.provenance).items()} for one in several]
     found["provenance"] = Table("Provenance", ["", *labels], _side_by_side(origins))

@@ -30,7 +30,7 @@ def expected(recorded):
     with h5py.File(recorded() / "timeseries.h5") as file:
 
         def visit(name, item):
-            if not isinstance(item, h5py.Dataset):
+            if not isinstance(item, h5py.Dataset) or name.startswith("filtered/"):
                 return
             values, unit = item[()], item.attrs["units"]
             parts = {"position": ["s", "y", "z"], "rotation": ["roll", "pitch", "yaw"]}.get(name.split("/")[-1])
@@ -58,6 +58,18 @@ def test_csv_gives_back_every_value(recorded, expected, tmp_path, monkeypatch):
     assert set(frame) == set(expected) and frame.columns[0] == "time [s]"
     for label, values in expected.items():
         assert np.array_equal(frame[label], values, equal_nan=True), label
+
+
+def test_filtered_rows_are_given_back(recorded, tmp_path):
+    """Those of the file's group, at a rate of their own."""
+    result = run(recorded(), "--filtered", "--channel", FORCE, "-o", tmp_path / "a.csv", "-q")
+    assert result.exit_code == 0, result.stderr
+    frame = pandas.read_csv(tmp_path / "a.csv", dtype=str).astype(float)
+    with h5py.File(recorded() / "timeseries.h5") as file:
+        time, force = file["filtered/time"][:], file[f"filtered/{FORCE}"][:]
+    assert np.array_equal(frame["time [s]"], time) and np.array_equal(frame[f"{FORCE} [N]"].astype("f4"), force)
+    opened = railcli.open_results(recorded(), FORCE, filtered=True)
+    assert np.array_equal(opened[f"{FORCE} [N]"], force) and np.array_equal(opened.index, time)
 
 
 def test_parquet_gives_back_every_value(recorded, expected, tmp_path, monkeypatch):
@@ -126,7 +138,7 @@ def test_channels_are_chosen_by_glob(recorded, tmp_path, patterns, found):
 def test_list_names_every_channel(recorded, expected):
     result = run(recorded(), "--list")
     assert result.exit_code == 0
-    assert "wheels/W1_right/Q " in result.stdout and "[N]  force of the wheel on the rail, down" in result.stdout
+    assert "wheels/W1_right/Q " in result.stdout and "[N]  force of the wheel on the rail, down; mean" in result.stdout
     assert "bodies/car body/position/{s,y,z}" in result.stdout
 
 
