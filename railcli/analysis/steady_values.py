@@ -4,6 +4,7 @@ Values are counted towards the outer rail; on straight track to the right.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from railcli.errors import SimulationError
 from railcli.model.track import gradient_course
 
 from .equilibrium import steady
+from .vibration import Vibration
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,32 @@ class SteadyValues:
     yaw: np.ndarray
     y_force: np.ndarray
     q_force: np.ndarray
+
+
+class End(NamedTuple):
+    """What the steady end of a run amounts to.
+
+    Attributes
+    ----------
+    mean, swing : SteadyValues
+        Means; largest less smallest values.
+    newton : SteadyValues or None
+        The steady motion that Newton's method finds.
+    balance : pair of float
+        Sums of Y and Q as `expected_forces` gives them [N].
+    traction, weight_along : float
+        Force that holds the speed, and weight against the direction of travel [N].
+    vibration : Vibration or None
+        None on a track with irregularity.
+    """
+
+    mean: SteadyValues
+    swing: SteadyValues
+    newton: SteadyValues | None
+    balance: tuple
+    traction: float
+    weight_along: float
+    vibration: Vibration | None
 
 
 def _arranged(system, stretch, sign, q, y_force, q_force):

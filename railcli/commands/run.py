@@ -68,6 +68,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
     from railcli.analysis import steady_values
     from railcli.analysis.simulate import SteadyWindow, simulate
     from railcli.analysis.step_choice import with_step
+    from railcli.analysis.vibration import Listener, vibration
     from railcli.analysis.warm import warm
     from railcli.analysis.watch import Watch
     from railcli.files import inputs, results
@@ -86,6 +87,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
         tables = tables_for(case, quiet, announce)
         case, system, choice = with_step(case, assemble(case, tables))
         window = SteadyWindow(case.distance - case.average_over)
+        listener = Listener(system.model.wheel.size, window.start)
         watch = Watch(system)
         series = results.TimeSeries(folder / results.TIME_SERIES, system, contact_channels)
         inputs.save(case, folder / inputs.INPUTS)
@@ -96,6 +98,10 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
             window(rows)
             watch(rows)
 
+        def filtered_sink(block):
+            series.filtered(block)
+            listener(block)
+
         try:
             with series, Progress("Run", case.duration, "s", quiet) as progress:
                 outcome = simulate(
@@ -103,7 +109,7 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
                     system,
                     sink,
                     lambda time, factor: progress.update(time, f"{factor:.0f} x real time"),
-                    series.filtered,
+                    filtered_sink,
                 )
         except KeyboardInterrupt:
             raise KeyboardInterrupt(series.kept()) from None
@@ -114,12 +120,14 @@ def _run(case, contact_channels, with_figures, with_assessment, output, overwrit
         stretch = steady_values.final_stretch(case)
         steady = None
         if stretch is not None and window.count and not outcome.fault:
-            steady = (
-                steady_values.means(system, stretch, window),
-                steady_values.peaks_to_peaks(system, stretch, window),
-                steady_values.solved(system, stretch, case.final_speed),
-                steady_values.expected_forces(case, stretch),
-                (float(window.mean("traction")), steady_values.weight_along(case, stretch)),
+            steady = steady_values.End(
+                mean=steady_values.means(system, stretch, window),
+                swing=steady_values.peaks_to_peaks(system, stretch, window),
+                newton=steady_values.solved(system, stretch, case.final_speed),
+                balance=steady_values.expected_forces(case, stretch),
+                traction=float(window.mean("traction")),
+                weight_along=steady_values.weight_along(case, stretch),
+                vibration=None if case.irregularity else vibration(system, window, listener),
             )
         files = [inputs.SCENARIO, inputs.INPUTS]
         if outcome.rows:

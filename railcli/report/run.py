@@ -18,6 +18,7 @@ LABELLED = 0.12  # of the width: shorter sections are not named
 SHADE = {"transition": 0.08, "measured": 0.08, "curve": 0.16}
 OFF_BALANCE = 0.005  # share of a sum of rail forces by which it may differ from its balance without a word
 LEAST_OFF = 200.0  # where that sum is small [N]
+VIBRATES = 100.0  # peak to peak of a wheel force on smooth track that is worth a warning [N]
 DIFFERENCE = 1e-5  # between the end of a run and Newton's steady motion that is worth a warning [m]
 
 
@@ -90,6 +91,16 @@ def unbalanced(mean, expected):
     return f"{' and '.join(off)}: the run is not steady there, or wrong." if off else ""
 
 
+def vibrates(vibration):
+    """A warning when a wheel force vibrates on smooth track; empty when none does by more than VIBRATES."""
+    if vibration is None or not vibration.peak_to_peak > VIBRATES or np.isnan(vibration.frequency):
+        return ""
+    return (
+        f"{vibration.force} of wheel {vibration.wheel} vibrates on smooth track: {vibration.peak_to_peak * 1e-3:.2f} kN "
+        f"peak to peak (every step, no filter), mostly at {vibration.frequency:.3g} Hz."
+    )
+
+
 def _two_sides(scenario):
     """Facts about profiles and radii of both sides, where these differ."""
     lines = []
@@ -117,8 +128,7 @@ def report(scenario, outcome, stretch, steady, step):
     scenario : Scenario
     outcome : Outcome
     stretch : Stretch or None
-    steady : tuple or None
-        Mean, swing, Newton's motion, the expected sums of Y and Q [N], and traction and weight along the track [N].
+    steady : steady_values.End or None
     step : list of (str, str)
         The time step in words, as `report.step.words` gives it.
     """
@@ -144,20 +154,22 @@ def report(scenario, outcome, stretch, steady, step):
         return [*lines, "", f"The run does not end {end}: no steady values."]
     if steady is None:
         return lines
-    mean, swing, newton, expected, (traction, weight) = steady
+    mean, newton, expected = steady.mean, steady.newton, steady.balance
     place = "to the right" if stretch.curvature == 0.0 else "towards the outer rail"
     title = f"Steady values over the last {scenario.average_over:g} m ({stretch.kind}); lateral values {place}"
-    lines += ["", title, *steady_text(stretch, mean, swing, newton)]
+    lines += ["", title, *steady_text(stretch, mean, steady.swing, newton)]
     lines.append(
         f"  Forces on the rails: sum Y {mean.y_force.sum() * 1e-3:.2f} kN (balance {expected[0] * 1e-3:.2f}), "
         f"sum Q {mean.q_force.sum() * 1e-3:.2f} kN (balance {expected[1] * 1e-3:.2f})"
     )
     if stretch.gradient:
         lines.append(
-            f"  Gradient {1e3 * stretch.gradient:.4g} per mille: traction {traction * 1e-3:.2f} kN "
-            f"(weight along the track {weight * 1e-3:.2f})"
+            f"  Gradient {1e3 * stretch.gradient:.4g} per mille: traction {steady.traction * 1e-3:.2f} kN "
+            f"(weight along the track {steady.weight_along * 1e-3:.2f})"
         )
-    warnings = unbalanced(mean, expected), settled(mean, newton, scenario.vehicle.is_dry)
+    warnings = (
+        unbalanced(mean, expected), settled(mean, newton, scenario.vehicle.is_dry), vibrates(steady.vibration),
+    )  # fmt: skip
     return [*lines, *(f"  {warning}" for warning in warnings if warning)]
 
 
@@ -263,22 +275,22 @@ def summary(scenario, outcome, stretch, steady, provenance, files, step):
     }
     if steady is None:
         return record
-    mean, swing, newton, expected, (traction, weight) = steady
+    mean, newton, expected = steady.mean, steady.newton, steady.balance
     record["steady"] = {
         "stretch": stretch.kind,
         "averaged_over_m": scenario.average_over,
         "lateral_positive": "to the right" if stretch.curvature == 0.0 else "towards the outer rail",
         "wheels": list(_sides(stretch)),
         "mean": _values(mean),
-        "peak_to_peak": _values(swing),
+        "peak_to_peak": _values(steady.swing),
         "newton": _values(newton) if newton else None,
         "sum_Y_kN": float(mean.y_force.sum() * 1e-3),
         "expected_Y_kN": expected[0] * 1e-3,
         "sum_Q_kN": float(mean.q_force.sum() * 1e-3),
         "expected_Q_kN": expected[1] * 1e-3,
         "gradient_m_per_m": stretch.gradient,
-        "traction_kN": traction * 1e-3,
-        "weight_along_kN": weight * 1e-3,
+        "traction_kN": steady.traction * 1e-3,
+        "weight_along_kN": steady.weight_along * 1e-3,
         "warning": settled(mean, newton, scenario.vehicle.is_dry),
     }
     record["balance"] = {
@@ -288,7 +300,20 @@ def summary(scenario, outcome, stretch, steady, provenance, files, step):
         "expected_Q_kN": expected[1] * 1e-3,
         "warning": unbalanced(mean, expected),
     }
+    record["vibration"] = _vibration(steady.vibration)
     return record
+
+
+def _vibration(found):
+    if found is None:
+        return None
+    return {
+        "force": found.force,
+        "wheel": found.wheel,
+        "peak_to_peak_kN": found.peak_to_peak * 1e-3,
+        "frequency_Hz": None if np.isnan(found.frequency) else found.frequency,
+        "warning": vibrates(found),
+    }
 
 
 def _values(values):
