@@ -29,8 +29,9 @@ def low_pass(step):
     """The LowPass of a step [s]: a sinc cut at half the rate of the rows, in a Kaiser window.
 
     The transition ends where frequencies begin to fold below PASSED, at the rate less PASSED. Length and shape of the
-    window are Kaiser's formulas for the attenuation (Oppenheim and Schafer, Discrete-Time Signal Processing, 7.5.3);
-    the ripple below PASSED is as small. Where a row is one step, nothing is left to filter.
+    window are Kaiser's formulas for the attenuation (Oppenheim and Schafer, Discrete-Time Signal Processing, 7.5.3).
+    So short a window keeps them nearly: below PASSED all passes within 0.2 %, and of what folds there stays at most
+    0.12 %. Where a row is one step, nothing is left to filter.
     """
     stride = max(1, int(INTERVAL / step * (1.0 + 1e-9)))
     if stride == 1:

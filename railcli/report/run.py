@@ -96,8 +96,9 @@ def vibrates(vibration):
     if vibration is None or not vibration.peak_to_peak > VIBRATES or np.isnan(vibration.frequency):
         return ""
     return (
-        f"{vibration.force} of wheel {vibration.wheel} vibrates on smooth track: {vibration.peak_to_peak * 1e-3:.2f} kN "
-        f"peak to peak (every step, no filter), mostly at {vibration.frequency:.3g} Hz."
+        f"{vibration.force} of wheel {vibration.wheel} vibrates on smooth track: "
+        f"{vibration.peak_to_peak * 1e-3:.2f} kN peak to peak (every step, no filter), "
+        f"mostly at {vibration.frequency:.3g} Hz."
     )
 
 
