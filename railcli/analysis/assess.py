@@ -4,6 +4,7 @@ The forces of a wheelset belong to its own place on the track. Signals are read,
 that the length of a run needs no memory.
 """
 
+from railcli.errors import InputError
 from railcli.model.assessment import FIGURES, Limits
 from railcli.model.vehicle import static_wheel_loads
 
@@ -31,7 +32,18 @@ def assess(results, limits=None, fault=None, progress=None):
     Returns
     -------
     Assessment
+
+    Raises
+    ------
+    InputError
+        The speed of the run changes: every figure and limit belongs to one speed.
     """
+    course = results.scenario.run.course
+    if course is not None and len(set(course.speed)) > 1:
+        raise InputError(
+            "assessment", "the speed of the run changes, and figures and limits belong to one speed: run at each "
+            "speed, or read the channels themselves (`railcli export`, `railcli report`)"
+        )  # fmt: skip
     limits = limits or Limits()
     fault = results.fault if fault is None else fault
     run = Run(results, limits, broken=bool(fault))

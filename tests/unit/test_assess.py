@@ -11,11 +11,13 @@ from railcli.analysis import indices
 from railcli.analysis.assess import assess
 from railcli.analysis.assessment import run as run_module
 from railcli.analysis.assessment.sections import sections
+from railcli.errors import InputError
 from railcli.files.limits import load_limits
 from railcli.files.read_results import Channel
 from railcli.files.scenario import load
 from railcli.kernels.layout import MAX_CONTACT, Region
 from railcli.model.assessment import FIGURES, Limits
+from railcli.model.scenario import SpeedCourse
 from railcli.model.track import Curve, Straight, Track, Transition
 from railcli.model.vehicle import Body, Vehicle, static_wheel_loads
 
@@ -144,6 +146,14 @@ def test_a_wheel_that_lifts_fails_and_leaves_the_ratio_out_there():
     assert values["unloading"].status == "fail" and values["unloading"].value == pytest.approx(1.0, abs=tol.OVERSHOOT)
     assert "below 0.05 Q0" in values["Y_Q_peak"].note
     assert values["Y_Q"].value < 0.2
+
+
+def test_a_run_whose_speed_changes_is_not_assessed():
+    results = Recorded()
+    course = SpeedCourse(time=(0.0, 10.0), speed=(SPEED, 0.5 * SPEED))
+    results.scenario = results.scenario.varied(run={"course": course, "distance": None, "duration": 40.0})
+    with pytest.raises(InputError, match="the speed of the run changes"):
+        assess(results)
 
 
 def test_run_in_does_not_count():
