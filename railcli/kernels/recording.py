@@ -230,11 +230,20 @@ def take_instants(model, data, stream):
     still, row, n_body = stream.still, stream.count[STILL], model.body.size
     share = 1.0 / stream.stride[0]
     for w in range(model.wheel.size):
+        tread, root, flank, tip = 0.0, 0.0, 0.0, 0.0
         for j in range(min(int(data.rail[w]["patches"]), MAX_CONTACT)):
             patch = data.contact[w, j]
-            part = min(max(int(patch["region"] + 0.5), 0), PARTS - 1)  # between the nodes of a table it is mixed
-            number = abs(patch["creep_x"] * patch["xi"]) + abs(patch["creep_t"] * patch["eta"])
-            still[row, 7 * n_body + PARTS * w + part] += np.float32(share * number)
+            region = patch["region"]  # between the nodes of a table it is mixed
+            number = share * (abs(patch["creep_x"] * patch["xi"]) + abs(patch["creep_t"] * patch["eta"]))
+            tread += number if region < 0.5 else 0.0
+            root += number if 0.5 <= region < 1.5 else 0.0
+            flank += number if 1.5 <= region < 2.5 else 0.0
+            tip += number if region >= 2.5 else 0.0
+        at = 7 * n_body + PARTS * w
+        still[row, at] += np.float32(tread)
+        still[row, at + 1] += np.float32(root)
+        still[row, at + 2] += np.float32(flank)
+        still[row, at + 3] += np.float32(tip)
     stream.count[WAIT] -= 1
     if stream.count[WAIT] == 0:
         stream.count[WAIT] = stream.stride[0]

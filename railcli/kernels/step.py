@@ -243,7 +243,7 @@ def evaluate(model, data, half_step):
 
 @kernel
 def write_row(model, data, rows, n):
-    """Copy the present instant into row n."""
+    """Copy the present instant into row n; of a patch that is not there only the depth, zero."""
     rows.time[n] = data.clock[0]
     rows.traction[n] = data.traction[0]
     for i in range(model.body.size):
@@ -253,9 +253,12 @@ def write_row(model, data, rows, n):
         rows.acceleration[n, i, 0], rows.acceleration[n, i, 1], rows.acceleration[n, i, 2] = felt(model, data, i)
     for w in range(model.wheel.size):
         rows.rail[n, w] = data.rail[w]
-        for j in range(MAX_CONTACT):
+        count = min(int(data.rail[w]["patches"]), MAX_CONTACT)
+        for j in range(count):
             describe_patch(model.wheel[w], data.contact[w, j])
             rows.contact[n, w, j] = data.contact[w, j]
+        for j in range(count, MAX_CONTACT):
+            rows.contact[n, w, j]["depth"] = 0.0
 
 
 @entry(types.UniTuple(types.int64, 2)(MODEL_TYPE, DATA_TYPE, ROWS_TYPE, STREAM_TYPE, types.int64))
