@@ -125,7 +125,9 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
     if scenario.run.course is not None:
         system = system.following(*scenario.run.course.knots())
     stride, interval = scenario.run.steps_per_output, scenario.run.output_interval
-    total = max(1, round(scenario.duration / interval))
+    steps = round(scenario.duration * stride / interval)
+    total = max(1, steps // stride)
+    rest = steps - total * stride  # behind the last row: only the low-passed stream has them
     data = settled_start(system, scenario.start.lateral)
     rows = new_rows(system.model, min(total, MOST_ROWS, max(1, round(BLOCK_TIME / interval))))
     most = rows.time.size
@@ -145,6 +147,8 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
         low_passed.hand_on()
         if progress:
             progress(float(data.clock[0]), data.clock[0] / max(cpu, 1e-9))
+    if status == 0 and rest > 0:
+        _, status = record_rows(system.model, data, new_rows(system.model, 1), low_passed.stream, rest)
     finish(low_passed.stream)
     low_passed.hand_on()
     fault = verdict(system, data, status, kept[0]) if status else ""
