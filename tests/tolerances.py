@@ -357,3 +357,4 @@ FOLDED = 1.2e-3
 SUMMED = 1e-9  # a thousand squares of differences in double precision
 SINGLE = 1e-6  # of the largest: a number in single precision
 SINGLE_SUM = 1e-5  # of the largest: a sum of a hundred numbers in single precision
+SPECTRUM_LINE = 0.02  # a line of 0.5 Hz, padded to an eighth
