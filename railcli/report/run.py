@@ -194,7 +194,8 @@ def _panels(figure, painter, scenario, main):
     painter(axes, main)
     end = main.distance[-1] if main.distance.size else scenario.distance
     track_strip(strip, axes, scenario, end)
-    axes[-1].set_xlabel("arc length of the first body [m]")
+    mean = "" if painter is _wheelsets else f"; means over {1e3 * scenario.run.output_interval:g} ms"
+    axes[-1].set_xlabel(f"arc length of the first body [m]{mean}")
     for axis in axes:
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
