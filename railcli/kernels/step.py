@@ -19,6 +19,7 @@ THETA = 9.0 / 16.0  # place within the step at which creep forces are taken
 ROUNDS = 12  # evaluations of the creep forces of a wheelset beyond the first
 SHORTEST = 1.0 / 64.0  # share of a Newton step below which it is halved no more
 SPIN_ARM = 0.5  # at which the spin of a wheelset counts as slip [m]
+CREEPING = 1e-3  # speed that counts where a wheelset is slower, in the tolerance of its creep forces [m/s]
 
 
 @kernel
@@ -88,8 +89,7 @@ def unsettled(model, data, i, move, turn):
     """Whether a change of the velocity of wheelset i is too large for its creep forces to be taken as linear in it."""
     largest = max(max(abs(move[0]), abs(move[1])), max(abs(move[2]), abs(turn[0])))
     largest = max(largest, max(SPIN_ARM * abs(turn[1]), abs(turn[2])))
-    param = model.param[0]
-    return largest > param["settled"] * max(abs(data.v[i, 0]), param["creep_speed"])
+    return largest > model.param[0]["settled"] * max(abs(data.v[i, 0]), CREEPING)
 
 
 @kernel
