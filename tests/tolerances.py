@@ -364,3 +364,5 @@ SUMMED = 1e-9  # a thousand squares of differences in double precision
 SINGLE = 1e-6  # of the largest: a number in single precision
 SINGLE_SUM = 1e-5  # of the largest: a sum of a hundred numbers in single precision
 SPECTRUM_LINE = 0.02  # a line of 0.5 Hz, padded to an eighth
+BEGINNING = 5e-6  # [m, rad] on straight track the force that holds the speed, 5 N, has to be found
+BEGINNING_FORCE = 20.0  # [N] of 55 kN; likewise

@@ -8,17 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from railcli.errors import InputError, SimulationError
 from railcli.kernels.layout import NO_SHIFT, freeze
 from railcli.kernels.recording import Count, averaged, forget_done, new_rows, new_stream
 from railcli.kernels.step import evaluate, finish, record_rows
 from railcli.model.low_pass import low_pass
 from railcli.model.track import constant_track, pack
 
-from .equilibrium import HEIGHT_AND_ROLL, set_down, static
+from .equilibrium import HEIGHT_AND_ROLL, set_down, static, steady
 from .faults import copied, verdict
 
 BLOCK_TIME = 0.5  # simulated time between two returns to Python, at most but for one row [s]
 MOST_ROWS = 1000  # between them
+_BEGIN = "begin the track with a straight, and a transition behind it"
 KEPT = 4  # states, BLOCK_TIME apart or more, from the first of which a fault is followed once more
 
 
@@ -68,6 +70,36 @@ class Filtered(NamedTuple):
     filtered: np.ndarray
     place: np.ndarray
     still: np.ndarray
+
+
+def start_of_run(scenario, system):
+    """Data in which a run begins: at rest on straight track, or in the steady motion of a curve or gradient.
+
+    Raises
+    ------
+    SimulationError
+        There is no such motion.
+    InputError
+        Bodies are to be put aside in a curve.
+    """
+    first, lateral = system.model.track[0], scenario.start.lateral
+    curvature, cant, angle = (float(first[name][0]) for name in ("curvature", "cant", "gradient"))
+    in_curve = curvature != 0.0 or cant != 0.0
+    if in_curve and lateral:
+        raise InputError(
+            "start.lateral_mm", f"bodies cannot be put aside where the track begins in a curve or on cant; {_BEGIN}"
+        )
+    if not in_curve and (angle == 0.0 or system.speed == 0.0 or lateral):
+        return settled_start(system, lateral)
+    aside = scenario.track.shifts([0.0], scenario.contact.gauge)[:, 0]
+    try:
+        found = steady(system, curvature, cant, gradient=np.tan(angle), aside=tuple(aside.tolist()))
+    except SimulationError as error:
+        raise SimulationError(f"a run begins in the steady motion of its first section: {error}; {_BEGIN}") from None
+    data = system.start()
+    for own, its in zip(data, found.data, strict=True):
+        own[...] = its
+    return data
 
 
 def settled_start(system, lateral=0.0):
@@ -128,7 +160,7 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
     steps = round(scenario.duration * stride / interval)
     total = max(1, steps // stride)
     rest = steps - total * stride  # behind the last row: only the low-passed stream has them
-    data = settled_start(system, scenario.start.lateral)
+    data = start_of_run(scenario, system)
     rows = new_rows(system.model, min(total, MOST_ROWS, max(1, round(BLOCK_TIME / interval))))
     most = rows.time.size
     low_passed = _LowPassed(system.model, most * stride, filtered_sink)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railcli.analysis.faults import sentence
-from railcli.analysis.simulate import settled_start
+from railcli.analysis.simulate import start_of_run
 from railcli.analysis.warm import warm
 from railcli.errors import InputError, SimulationError
 from railcli.kernels import step
@@ -150,7 +150,7 @@ def run_up(scenario, system, steps, progress=None):
     Course
     """
     begin, end = stretch(scenario, system.rest)
-    data = settled_start(system, scenario.start.lateral)
+    data = start_of_run(scenario, system)
     course = Course(scenario.name, system, data, data, steps, 0)
     length = system.speed * course.step
     left = max(1, math.ceil(begin / length))
