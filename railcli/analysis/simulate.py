@@ -21,6 +21,7 @@ from .faults import copied, verdict
 BLOCK_TIME = 0.5  # simulated time between two returns to Python, at most but for one row [s]
 MOST_ROWS = 1000  # between them
 _BEGIN = "begin the track with a straight, and a transition behind it"
+JOLT = 1.0  # acceleration of a body at the start that is told [m/s^2]
 KEPT = 4  # states, BLOCK_TIME apart or more, from the first of which a fault is followed once more
 
 
@@ -40,6 +41,8 @@ class Outcome:
         Empty when the run reached its end, else what stopped it.
     status : int
         The core's Status.
+    jolt : str
+        A sentence when the run does not begin in equilibrium though nothing was put aside; else empty.
     """
 
     rows: int
@@ -48,6 +51,7 @@ class Outcome:
     cpu_s: float
     fault: str
     status: int
+    jolt: str = ""
 
     @property
     def real_time_factor(self):
@@ -102,6 +106,21 @@ def start_of_run(scenario, system):
     return data
 
 
+def jolt(system, data):
+    """A sentence when some body does not begin in equilibrium; empty when all do within JOLT."""
+    there = copied(data)
+    if evaluate(system.model, there, 0.0):
+        return ""
+    size = np.abs(there.dv[:, :3]).max(axis=1)
+    body = int(np.argmax(size))
+    if size[body] < JOLT:
+        return ""
+    return (
+        f"The run begins with a jolt of {size[body]:.3g} m/s^2 at {system.bodies[body]}: the track is not alike under "
+        "the whole vehicle there; begin with a longer straight or curve, level or on one gradient."
+    )
+
+
 def settled_start(system, lateral=0.0):
     """Data of the vehicle rolling at its speed, in static equilibrium but for a lateral shift of all bodies [m].
 
@@ -115,9 +134,19 @@ def settled_start(system, lateral=0.0):
     data.q[:, 2:] = rest.q[:, 2:]
     data.q[:, 1] = rest.q[:, 1] + lateral
     data.damper[:] = rest.damper
+    data.v[system.wheelsets, 4] = -system.speed / _rolling_radii(system, rest)
     if lateral:
         _set_down(system, data, lateral)
     return data
+
+
+def _rolling_radii(system, rest):
+    """Radius on which each wheelset rolls at rest, the mean over its patches by their normal forces [m]."""
+    normal, radius = rest.contact["normal"], rest.contact["radius"]
+    bodies = system.model.wheel["body"]
+    load = np.array([normal[bodies == i].sum() for i in system.wheelsets])
+    moment = np.array([(normal * radius)[bodies == i].sum() for i in system.wheelsets])
+    return np.divide(moment, load, out=system.mean_radii.copy(), where=load > 0.0)
 
 
 def _set_down(system, data, lateral):
@@ -161,6 +190,7 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
     total = max(1, steps // stride)
     rest = steps - total * stride  # behind the last row: only the low-passed stream has them
     data = start_of_run(scenario, system)
+    beginning = "" if scenario.start.lateral else jolt(system, data)
     rows = new_rows(system.model, min(total, MOST_ROWS, max(1, round(BLOCK_TIME / interval))))
     most = rows.time.size
     low_passed = _LowPassed(system.model, most * stride, filtered_sink)
@@ -184,7 +214,7 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
     finish(low_passed.stream)
     low_passed.hand_on()
     fault = verdict(system, data, status, kept[0]) if status else ""
-    return Outcome(done, float(data.clock[0]), float(data.q[0, 0]), cpu, fault, int(status))
+    return Outcome(done, float(data.clock[0]), float(data.q[0, 0]), cpu, fault, int(status), beginning)
 
 
 class _LowPassed:

@@ -148,6 +148,8 @@ def report(scenario, outcome, stretch, steady, step):
             ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
         ]
     )
+    if outcome.jolt:
+        lines += ["", f"  {outcome.jolt}"]
     if outcome.fault:
         return [*lines, "", f"Broken off: {outcome.fault}"]
     if stretch is None:
@@ -266,6 +268,7 @@ def summary(scenario, outcome, stretch, steady, provenance, files, step):
         **conditions_json(scenario),
         "finished": not outcome.fault,
         "fault": outcome.fault,
+        "jolt": outcome.jolt,
         "time_s": outcome.time,
         "distance_m": outcome.distance,
         "rows": outcome.rows,

@@ -34,7 +34,7 @@ def test_nothing_moves(table, name):
     case, system = beginning(table, *TRACKS[name])
     window = SteadyWindow()
     outcome = simulate(case, system, window)
-    assert outcome.fault == ""
+    assert outcome.fault == "" and outcome.jolt == ""
     assert window.peak_to_peak("q")[:, [1, 2, 3, 5]].max() < tol.BEGINNING
     assert window.peak_to_peak("q_force").max() < tol.BEGINNING_FORCE
 
@@ -49,3 +49,11 @@ def test_a_curve_in_which_there_is_no_steady_motion(table):
     case, system = beginning(table, (CURVE.model_copy(update={"radius": 40.0}),))
     with pytest.raises(SimulationError, match="begin the track with a straight"):
         simulate(case, system, SteadyWindow())
+
+
+def test_a_start_that_is_no_equilibrium_is_told(table):
+    """The front of the wagon stands on a rise that begins under its middle."""
+    rise = (Gradient(at=20.0, gradient=0.04, radius=1000.0),)
+    case, system = beginning(table, TRACKS["straight"][0], rise)
+    outcome = simulate(case, system, SteadyWindow())
+    assert outcome.jolt.startswith("The run begins with a jolt of") and "at bogie 1" in outcome.jolt
