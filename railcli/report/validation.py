@@ -6,6 +6,7 @@ from railcli.analysis.validate import READINGS, SUPPORTED, balance_error, deviat
 
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
 from .text import columns, facts, sectioned
+from .text import speed as in_words
 
 READING_TEXT = {
     "as_printed": "as printed, all outwards",
@@ -23,11 +24,13 @@ def assumptions(scenario, result):
     curve = scenario.track.sections[-1]
     best, low, high, at_bound = result.friction
     bound = ", at the end of the searched range" if at_bound else ""
+    speeds = ", ".join(in_words(value) for value in result.reference.speeds)
     return [
-        ("given", f"R = {curve.radius:g} m, cant {curve.cant * 1e3:g} mm, speeds, UIC60, ORES1002 "
+        ("given", f"R = {curve.radius:g} m, cant {curve.cant * 1e3:g} mm, {speeds}, UIC60, ORES1002 "
                   f"(gauge {contact.gauge * 1e3:g} mm, flange-back {contact.flange_back * 1e3:g} mm)"),
-        ("assumed", f"rail inclination 1:{contact.inclination:g}, friction {contact.friction:.2f}, creep force "
-                    f"'{contact.creep_law}', clothoid of {scenario.track.sections[1].length:g} m, constant speed"),
+        ("assumed", f"rail inclination 1:{contact.inclination:g}, friction {contact.friction:.2f}, creep law "
+                    f"{contact.creep_law}, normal law {contact.normal}, "
+                    f"clothoid of {scenario.track.sections[1].length:g} m, constant speed"),
         ("identified", f"friction {best:.3f} ({low:.3f} to {high:.3f}, twice the jackknife error{bound}): absorbs "
                        "unknown differences, not a measurement of friction"),
     ]  # fmt: skip
