@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from .checks import Coefficient, Description, Name, Point, Positive, Real
-from .element_parts import MIRRORS, Mirror, mirrored_apart
+from .checks import Coefficient, Positive, Real
+from .element_parts import AtPoint, mirrored_apart
 from .tables import DamperTable
 
 _Pair = tuple[Coefficient, Coefficient]
@@ -20,12 +20,9 @@ class Stiffness(NamedTuple):
     reservoir: float  # of that in the reservoir, as felt at the bellows
 
 
-class AirSpring(Description):
+class AirSpring(AtPoint):
     """Carries weight by the pressure of air; along x and y a spring and a damper."""
 
-    name: Name
-    at: Point = Field(alias="at_m")
-    mirror: Mirror = "none"
     area: Annotated[Positive, Field(le=10.0)] = Field(alias="area_m2")  # effective: load over gauge pressure
     area_change: Annotated[Real, Field(ge=-100.0, le=100.0)] = Field(0.0, alias="area_change_m2_per_m")  # per way down
     volume: Annotated[Positive, Field(le=10.0)] = Field(alias="volume_m3")  # of the bellows at nominal height
@@ -37,14 +34,6 @@ class AirSpring(Description):
     shear_stiffness: _Pair = Field((0.0, 0.0), alias="shear_stiffness_N_per_m")  # x, y
     shear_damping: _Pair = Field((0.0, 0.0), alias="shear_damping_Ns_per_m")
     carries_weight: ClassVar[bool] = True
-
-    @property
-    def ends(self):
-        return self.at, self.at
-
-    @property
-    def signs(self):
-        return MIRRORS[self.mirror]
 
     def stiffness(self, load):
         """Vertical stiffness under a static load [N], a Stiffness.

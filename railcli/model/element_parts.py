@@ -7,7 +7,7 @@ from pydantic import Field
 
 from railcli.kernels.layout import CURVE_KNOTS
 
-from .checks import Real
+from .checks import Description, Name, Point, Real
 
 MIRRORS = {  # signs of x and y of each copy
     "none": ((1, 1),),
@@ -18,6 +18,22 @@ MIRRORS = {  # signs of x and y of each copy
 Mirror = Literal["none", "x", "y", "xy"]
 _Value = Annotated[Real, Field(ge=-1e12, le=1e12)]
 Values = Annotated[tuple[_Value, ...], Field(min_length=2, max_length=CURVE_KNOTS)]
+
+
+class AtPoint(Description):
+    """A force element whose ends stand at one point in the nominal geometry."""
+
+    name: Name
+    at: Point = Field(alias="at_m")
+    mirror: Mirror = "none"
+
+    @property
+    def ends(self):
+        return self.at, self.at
+
+    @property
+    def signs(self):
+        return MIRRORS[self.mirror]
 
 
 def mirrored_apart(element):

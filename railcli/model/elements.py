@@ -10,18 +10,15 @@ from pydantic import Field, model_validator
 
 from .air import AirSpring
 from .checks import NONE, Coefficient, CoefficientVector, Description, Flag, Name, Point, hint
-from .element_parts import MIRRORS, Mirror, mirrored_apart
+from .element_parts import MIRRORS, AtPoint, Mirror, mirrored_apart
 from .friction_elements import Friction, LeafSpring
 from .moments import Matrix, Torque
 from .tables import DamperTable, SpringTable
 
 
-class Bushing(Description):
+class Bushing(AtPoint):
     """Springs and dampers along the joint's three axes, both ends at one point in the nominal geometry."""
 
-    name: Name
-    at: Point = Field(alias="at_m")
-    mirror: Mirror = "none"
     stiffness: CoefficientVector = Field(NONE, alias="stiffness_N_per_m")
     damping: CoefficientVector = Field(NONE, alias="damping_Ns_per_m")
     turn_stiffness: CoefficientVector = Field(NONE, alias="turn_stiffness_Nm_per_rad")
@@ -33,14 +30,6 @@ class Bushing(Description):
     damper_table_z: DamperTable | None = None
     carries_weight: Flag = False
     preload: Coefficient = Field(0.0, alias="preload_N")  # vertical load at rest, given instead of its share of weight
-
-    @property
-    def ends(self):
-        return self.at, self.at
-
-    @property
-    def signs(self):
-        return MIRRORS[self.mirror]
 
     @property
     def spring_tables(self):

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from .checks import Coefficient, Description, Name, NotNegative, Point, Positive, Real
-from .element_parts import MIRRORS, Mirror, Values, check_knots, mirrored_apart
+from .element_parts import MIRRORS, AtPoint, Mirror, Values, check_knots, mirrored_apart
 
 SERIES_DAMPING = 0.05  # of critical damping of the two bodies against each other on the series spring
 
@@ -83,25 +83,14 @@ class Envelope(Description):
         return self
 
 
-class LeafSpring(Description):
+class LeafSpring(AtPoint):
     """Leaf spring along the joint's z: stiffness and friction between its leaves, or two measured envelopes."""
 
-    name: Name
-    at: Point = Field(alias="at_m")
-    mirror: Mirror = "none"
     stiffness: Coefficient | None = Field(None, alias="stiffness_N_per_m")
     friction: Annotated[Positive, Field(le=1e12)] | None = Field(None, alias="friction_N")  # half the width of the loop
     upper_envelope: Envelope | None = None  # while it is compressed
     lower_envelope: Envelope | None = None  # while it expands
     decay: Annotated[Real, Field(ge=1e-6, le=1.0)] = Field(alias="decay_m")
-
-    @property
-    def ends(self):
-        return self.at, self.at
-
-    @property
-    def signs(self):
-        return MIRRORS[self.mirror]
 
     @property
     def envelopes(self):

@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from .checks import NONE, Coefficient, Description, Flag, Name, NotNegative, Point, Real
-from .element_parts import MIRRORS, Mirror, mirrored_apart
+from .checks import NONE, Coefficient, Description, Flag, Name, NotNegative, Real
+from .element_parts import MIRRORS, AtPoint, mirrored_apart
 from .tables import TurnDamperTable, TurnTable
 
 SEMIDEFINITE = 1e-9  # of the largest eigenvalue: what the rounding of a file's digits may take below zero
@@ -18,16 +18,13 @@ _Share = Annotated[Real, Field(ge=-1.0, le=1.0)]
 _SIDES = ((1.0, 1.0, 1.0, 1.0, 1.0, 1.0), (-1.0, 1.0, 1.0, 1.0, -1.0, -1.0), (1.0, -1.0, 1.0, -1.0, 1.0, -1.0))
 
 
-class Matrix(Description):
+class Matrix(AtPoint):
     """Stiffness and damping that couple displacements and rotations about x, y, z, both ends at one point.
 
     Blocks of the symmetric 6 x 6 matrices: force over displacement, force over rotation (its transpose is moment over
     displacement), moment over rotation.
     """
 
-    name: Name
-    at: Point = Field(alias="at_m")
-    mirror: Mirror = "none"
     stiffness: _Block = Field(_EMPTY, alias="stiffness_N_per_m")
     coupling_stiffness: _Block = Field(_EMPTY, alias="coupling_stiffness_N_per_rad")
     turn_stiffness: _Block = Field(_EMPTY, alias="turn_stiffness_Nm_per_rad")
@@ -35,14 +32,6 @@ class Matrix(Description):
     coupling_damping: _Block = Field(_EMPTY, alias="coupling_damping_Ns_per_rad")
     turn_damping: _Block = Field(_EMPTY, alias="turn_damping_Nms_per_rad")
     carries_weight: Flag = False
-
-    @property
-    def ends(self):
-        return self.at, self.at
-
-    @property
-    def signs(self):
-        return MIRRORS[self.mirror]
 
     def packed(self, sign):
         """Stiffness above damping, (12, 6), of the copy with these signs of x and y."""
