@@ -366,3 +366,17 @@ SINGLE_SUM = 1e-5  # of the largest: a sum of a hundred numbers in single precis
 SPECTRUM_LINE = 0.02  # a line of 0.5 Hz, padded to an eighth
 BEGINNING = 5e-6  # [m, rad] on straight track the force that holds the speed, 5 N, has to be found
 BEGINNING_FORCE = 20.0  # [N] of 55 kN; likewise
+
+# --- Rails that give way ---
+RAIL_DEFLECTION = 1e-9  # balanced to 1e-6 N of some 1e4 N
+RAILS_SPREAD = 2e-2  # rails that also part by some hundredths of a millimetre let the wheelset sink a little more
+RECEPTANCE = 1e-6  # demanded of the track model; differences of 1e-7 m and 1e-5 m/s, measured 6e-10
+RAIL_FORCE = 1e-6  # N: rounding of a stiffness of 1e8 N/m times places of 1e-3 m
+RAIL_LAG = 1e-4  # the normal force of a step knows the creep forces of the step before; measured 1.6e-5
+RAIL_ENERGY = 2e-3  # of the energy fallen: forces belong to the middle of a step, places to its end; measured 4e-4
+RAIL_RESTS = 6e-6  # m: left of a fall of 0.5 mm after 0.8 s; measured 2.3e-6
+RAIL_BEARS = 1e-2  # N: accelerations of up to 1e-7 m/s^2 may be left
+RAIL_STAYS = 1e-9  # m: a steady motion is a fixed point of the step
+RAIL_MIRROR = 1e-12  # m: rounding
+RAIL_ALL_BUT_RIGID = 2e-6  # m: 54 kN on 1e11 N/m are half a micrometre
+BEAM_ON_BED = 2e-4  # wave numbers cut off at 200 1/m leave out 2e-6; the slope is taken over 1e-3 of the range

@@ -20,7 +20,7 @@ from railcli.model.sections import Gradient, Straight, Transition
 from railcli.model.track import Track, constant_track, pack
 
 GROWN = 2  # times that the force which holds the speed takes over what an error of the speed asks of it
-SETTLED = 1e9  # half step for which dampers with series stiffness and dry friction carry no force [s]
+SETTLED = 1e9  # half step for which dampers, dry friction and moving rails are at rest [s]
 PROBE = 1e-8  # difference step of coordinates [m, rad]; rates take 100 times as much
 TOLERANCE = 1e-7  # largest acceleration that counts as zero [m/s^2, rad/s^2]; `_Steady.rounding` adds to it
 PLACE_ROUNDING = 8.0 * np.finfo(float).eps  # of a sum of some coordinates, by the largest of them
@@ -203,7 +203,7 @@ def set_down(model, data, i, carried):
         False if it cannot stand there.
     """
     for _ in range(TRIES):
-        if evaluate(model, data, 0.0):
+        if evaluate(model, data, SETTLED):
             return False
         left = data.load[i, HEIGHT_AND_ROLL] - carried
         if np.abs(left).max() < SEATED:
@@ -212,7 +212,7 @@ def set_down(model, data, i, carried):
         for column, k in enumerate(HEIGHT_AND_ROLL):
             rest = data.q[i, k]
             data.q[i, k] = rest + PROBE
-            status = evaluate(model, data, 0.0)
+            status = evaluate(model, data, SETTLED)
             data.q[i, k] = rest
             if status:
                 return False
@@ -272,7 +272,14 @@ def _finish(motion, x, turning, residual, iterations):
     """The motion x, with the states of dampers and friction that belong to no force of theirs."""
     motion.accelerations(x, turning)
     motion.data.damper[:] += SETTLED * motion.data.damper_rate
+    settle_rails(motion.data)
     return Equilibrium(motion.data, float(residual), iterations)
+
+
+def settle_rails(data):
+    """Put rails that give way to where what was evaluated with SETTLED presses them."""
+    data.yielded[:] += SETTLED * data.yielding
+    data.yielding[:] = 0.0
 
 
 def static(system):

@@ -1,7 +1,7 @@
 """The compiled model about its steady motion on straight level track, linearised by differences of its state.
 
-State x = (q, v, damper): coordinates, velocities and states of the elements, as `Data` has them.
-dx/dt = (rate, dv, damper_rate) is what `evaluate` gives (docs/stability.md, section 1).
+State x = (q, v, damper, yielded): coordinates, velocities, states of the elements and places of moving rails, as `Data`
+has them. dx/dt = (rate, dv, damper_rate, yielding) is what `evaluate` gives (docs/stability.md, section 1).
 """
 
 from dataclasses import dataclass, replace
@@ -35,7 +35,7 @@ class Linear:
     matrix : array (n, n)
         A, without the states that nothing depends on.
     kept : array (n,)
-        Places of its states in (q, v, damper).
+        Places of its states in (q, v, damper, yielded).
     contact : array (n_wheel, n, 12)
         Of each wheel: slopes of dx/dt over the q and v of its wheelset that its contact makes; empty unless asked for.
     """
@@ -53,8 +53,8 @@ class Linear:
         return self.data.q.shape[0]
 
     def expand(self, x):
-        """States (..., n) in the places of (q, v, damper), zero elsewhere."""
-        full = np.zeros((*x.shape[:-1], 12 * self.size + self.data.damper.size), x.dtype)
+        """States (..., n) in the places of (q, v, damper, yielded), zero elsewhere."""
+        full = np.zeros((*x.shape[:-1], 12 * self.size + self.data.damper.size + self.data.yielded.size), x.dtype)
         full[..., self.kept] = x
         return full
 
@@ -137,7 +137,7 @@ def on_straight(system, length=1.0, **values):
 
 
 def _probe(model, data, array, place, step):
-    """Slope of (rate, dv, damper_rate) over one entry of a state array, by a central difference."""
+    """Slope of (rate, dv, damper_rate, yielding) over one entry of a state array, by a central difference."""
     sides = []
     rest = array.flat[place]
     for sign in (1.0, -1.0):
@@ -146,19 +146,21 @@ def _probe(model, data, array, place, step):
         if status != 0:
             reason = Status(status).name.lower().replace("_", " ")
             raise SimulationError(f"the model cannot be linearised: {reason} within a difference step of {step:g}")
-        sides.append(np.concatenate([data.rate.ravel(), data.dv.ravel(), data.damper_rate]))
+        sides.append(np.concatenate([data.rate.ravel(), data.dv.ravel(), data.damper_rate, data.yielding.ravel()]))
     array.flat[place] = rest
     return (sides[0] - sides[1]) / (2.0 * step)
 
 
 def _jacobian(model, data, scale):
     n = data.q.size
-    matrix = np.empty((2 * n + data.damper.size,) * 2)
+    matrix = np.empty((2 * n + data.damper.size + data.yielded.size,) * 2)
     for k in range(n):
         matrix[:, k] = _probe(model, data, data.q, k, scale * STEP[k % 6])
         matrix[:, n + k] = _probe(model, data, data.v, k, scale * STEP[6 + k % 6])
     for k in range(data.damper.size):
         matrix[:, 2 * n + k] = _probe(model, data, data.damper, k, scale * STEP[0])
+    for k in range(data.yielded.size):
+        matrix[:, 2 * n + data.damper.size + k] = _probe(model, data, data.yielded, k, scale * STEP[0])
     evaluate(model, data, 0.0)
     return matrix
 
@@ -166,18 +168,26 @@ def _jacobian(model, data, scale):
 def _contact_parts(system, data, scale):
     """Of each wheel: slopes over q and v of its wheelset that vanish with the wheel, (n_wheel, states, 12)."""
     model = system.model
+    fixed = 2 * data.q.size + data.damper.size
+    rails = ("yielded", "yielding", "dragged", "support", "wheel_damping")
 
-    def slopes(wheels, i):
-        part = freeze(model._replace(wheel=wheels.copy()))
+    def slopes(wheel, i):
+        part = freeze(model._replace(wheel=model.wheel[wheel].copy()))
+        own = data._replace(**{name: getattr(data, name)[wheel] for name in rails})
         columns = [
-            _probe(part, data, array, 6 * i + a, scale * STEP[shift + a])
+            _probe(part, own, array, 6 * i + a, scale * STEP[shift + a])
             for array, shift in ((data.q, 0), (data.v, 6))
             for a in range(6)
         ]
-        return np.stack(columns, axis=1)
+        found = np.zeros((fixed + data.yielded.size, 12))
+        first = fixed + 2 * wheel.start
+        of_rail = own.yielded.size
+        values = np.stack(columns, axis=1)
+        found[:fixed], found[first : first + of_rail] = values[:fixed], values[fixed:]
+        return found
 
-    without = {i: slopes(model.wheel[:0], i) for i in set(model.wheel["body"].tolist())}
-    parts = [slopes(model.wheel[w : w + 1], i) - without[i] for w, i in enumerate(model.wheel["body"].tolist())]
+    without = {i: slopes(slice(0, 0), i) for i in set(model.wheel["body"].tolist())}
+    parts = [slopes(slice(w, w + 1), i) - without[i] for w, i in enumerate(model.wheel["body"].tolist())]
     evaluate(model, data, 0.0)
     return np.array(parts)
 

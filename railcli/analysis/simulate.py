@@ -15,7 +15,7 @@ from railcli.kernels.step import evaluate, finish, record_rows
 from railcli.model.low_pass import low_pass
 from railcli.model.track import constant_track, pack
 
-from .equilibrium import HEIGHT_AND_ROLL, set_down, static, steady
+from .equilibrium import HEIGHT_AND_ROLL, SETTLED, set_down, settle_rails, static, steady
 from .faults import copied, verdict
 
 BLOCK_TIME = 0.5  # simulated time between two returns to Python, at most but for one row [s]
@@ -135,6 +135,7 @@ def settled_start(system, lateral=0.0):
     data.q[:, 1] = rest.q[:, 1] + lateral
     data.damper[:] = rest.damper
     data.v[system.wheelsets, 4] = -system.speed / _rolling_radii(system, rest)
+    data.yielded[:], data.dragged[:] = rest.yielded, rest.dragged
     if lateral:
         _set_down(system, data, lateral)
     return data
@@ -156,12 +157,13 @@ def _set_down(system, data, lateral):
     for i in system.wheelsets:
         before = data.q[i].copy()
         data.q[i, 1] = before[1] - lateral
-        if evaluate(model, data, 0.0) == 0:
+        if evaluate(model, data, SETTLED) == 0:
             carried = data.load[i, HEIGHT_AND_ROLL].copy()
             data.q[i, 1] = before[1]
             if set_down(model, data, i, carried):
                 continue
         data.q[i] = before
+    settle_rails(data)
 
 
 def simulate(scenario, system, sink, progress=None, filtered_sink=None):

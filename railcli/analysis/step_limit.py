@@ -22,8 +22,12 @@ MARGIN = 1.2  # of the stable over the allowed step: loads of three times the st
 CEILING = 2.4e-3  # a longer step is not looked for [s]
 FLOOR = 1e-7  # nor a shorter one [s]
 ACCURACY = 1.01  # ratio within which a limit is found
-STATE = {"q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7, "tension": 1.0}  # arrays of the state, difference steps
-SIZE = {"q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0, "tension": 1e7}  # of each in one mode
+STATE = {  # arrays of the state, difference steps
+    "q": 1e-7, "v": 1e-5, "dv": 1e-2, "damper": 1e-7, "tension": 1.0, "yielded": 1e-7, "yielding": 1e-5, "dragged": 1.0,
+}  # fmt: skip
+SIZE = {  # of each in one mode
+    "q": 1.0, "v": 1e2, "dv": 1e5, "damper": 1.0, "tension": 1e7, "yielded": 1.0, "yielding": 1e2, "dragged": 1e7,
+}  # fmt: skip
 FORCE = 1.0, 1e6  # both for states that are forces [N]
 SMALL = 0.1  # of the limit of dry friction: what a difference step may load it with
 ROUNDING = 1e-4  # by which differences may lift the magnitude of an eigenvalue over 1
@@ -74,8 +78,10 @@ def step_limit(system, speeds=()):
     system = stiffest(system)
     limit = StepLimit(CEILING, "nothing in the model")
     motions = [OneStep(system, speed) for speed in dict.fromkeys(speeds or (system.speed,))]
+    last = motions[-1]
+    held = OneStep(system.on_rigid_track(), last.system.speed) if last.data.yielded.size else last
     for k in range(len(system.wheelsets)):
-        limit = aside(motions[-1], k, limit)
+        limit = aside(held, k, limit)
     for motion in motions:
         limit = motion.limit(limit)
     return limit

@@ -50,6 +50,12 @@ RAIL_CHANNELS = {
     "rail_z": ("vertical", "m", "displacement of the rail at the wheelset's place, down"),
     "patches": ("patches", "-", "number of loaded contact patches"),
 }
+SUPPORT_CHANNELS = {  # of rails that give way: array of the rows' rails, its component, units, description
+    "give_y": ("give", 0, "m", "how far the rail gives way under the wheel, to the right; beside rail_y"),
+    "give_z": ("give", 1, "m", "how far the rail gives way under the wheel, down; beside rail_z"),
+    "seat_Y": ("seat", 0, "N", "force of the rail on its springs and dampers, to the right"),
+    "seat_Q": ("seat", 1, "N", "force of the rail on its springs and dampers, down"),
+}
 PATCH_CHANNELS = {  # forces are zero, all else is not a number, where there is no patch
     "normal": ("normal", "N", "normal force"),
     "creep_x": ("creep_x", "N", "creep force on the wheel along the rail"),
@@ -217,6 +223,9 @@ class TimeSeries:
             for channel, (key, units, description) in RAIL_CHANNELS.items():
                 dataset = grown(file, f"{group}/{channel}", (), units, description)
                 yield dataset, lambda rows, w=w, key=key: rows.rail[key][:, w]
+            for channel, (key, c, units, description) in SUPPORT_CHANNELS.items() if system.gives_way else ():
+                dataset = grown(file, f"{group}/{channel}", (), units, description)
+                yield dataset, lambda rows, w=w, key=key, c=c: rows.rail[key][:, w, c]
             for channel, (key, units, description) in PATCH_CHANNELS.items():
                 name = f"{group}/contact/{channel}"
                 if not any(fnmatchcase(name, pattern) for pattern in self._kept_contact):

@@ -297,73 +297,86 @@ def normal_force(param, hertz, elastic, approach):
 
 @kernel
 def touch(model, data):
-    """Normal contact of every wheel: fill data.contact (normal force and geometry) and data.rail. Returns a status."""
+    """Normal contact of every wheel on rails that do not give way, as `touch_wheel`. Returns a status."""
+    for w in range(model.wheel.size):
+        status = touch_wheel(model, data, w, 0.0, 0.0, 0.0, 0.0)
+        if status != 0:
+            return status
+    return Status.OK.value
+
+
+@kernel
+def touch_wheel(model, data, w, give_y, give_z, rate_y, rate_z):
+    """Normal contact of wheel w: fill data.contact (normal force and geometry) and data.rail. Returns a status.
+
+    give_y, give_z : how far its rail gives way, to the right and down [m].  rate_y, rate_z : how fast [m/s].
+    """
     param = model.param[0]
     sample = data.sample
     shifted = model.shift.shape[0] > 0
-    for w in range(model.wheel.size):
-        wheel, rail = model.wheel[w], data.rail[w]
-        body, side = wheel["body"], wheel["side"]
-        frame = data.frame[body]
-        sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
-        axle = (-sy * cr, cy * cr, sr)
-        axes = IDEAL
+    wheel, rail = model.wheel[w], data.rail[w]
+    body, side = wheel["body"], wheel["side"]
+    frame = data.frame[body]
+    sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
+    axle = (-sy * cr, cy * cr, sr)
+    axes = IDEAL
+    y, z = data.q[body, 1] - give_y, data.q[body, 2] - give_z
+    if shifted:
+        if not shift_rail(model, side, data.q[body, 0], rail):
+            data.fault[0] = w
+            return Status.LEFT_SHIFT.value
+        axes = rail_axes(rail)
+        y, z, roll, yaw = enter_shifted(wheel, rail, axes, y, z, axle)
+    else:
+        y, z = enter(side, wheel["lateral"], wheel["radius"], y, z, sr, cr, cy)
+        roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
+    found = look_up(model.table[wheel["table"]], model.node, model.cell, model.branch, y, roll, yaw, z, sample)
+    rail["x"], rail["y"], rail["q"], rail["patches"] = 0.0, 0.0, 0.0, 0.0
+    for j in range(max(found, 0), MAX_CONTACT):
+        data.contact[w, j]["normal"] = 0.0
+        data.contact[w, j]["depth"] = 0.0
+    if found < 0 or found > MAX_CONTACT:
+        data.fault[0] = w
+        if not (isfinite(y) and isfinite(z) and isfinite(roll) and isfinite(yaw)):
+            data.fault[0] = body
+            return Status.NOT_FINITE.value
+        return Status.LEFT_TABLE.value if found < 0 else Status.TOO_MANY_CONTACTS.value
+    if z < -param["derail_lift"]:
+        data.fault[0] = w
+        return Status.DERAILED.value
+    turn = (data.rate[body, 3] * cy, data.rate[body, 3] * sy, data.rate[body, 5])
+    for j in range(found):
+        slope = side * sample[j, SLOPE]
+        cosine = 1.0 / sqrt(1.0 + slope * slope)
+        normal = (0.0, -slope * cosine, cosine)
         if shifted:
-            if not shift_rail(model, side, data.q[body, 0], rail):
-                data.fault[0] = w
-                return Status.LEFT_SHIFT.value
-            axes = rail_axes(rail)
-            y, z, roll, yaw = enter_shifted(wheel, rail, axes, data.q[body, 1], data.q[body, 2], axle)
-        else:
-            y, z = enter(side, wheel["lateral"], wheel["radius"], data.q[body, 1], data.q[body, 2], sr, cr, cy)
-            roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
-        found = look_up(model.table[wheel["table"]], model.node, model.cell, model.branch, y, roll, yaw, z, sample)
-        rail["x"], rail["y"], rail["q"], rail["patches"] = 0.0, 0.0, 0.0, 0.0
-        for j in range(max(found, 0), MAX_CONTACT):
-            data.contact[w, j]["normal"] = 0.0
-            data.contact[w, j]["depth"] = 0.0
-        if found < 0 or found > MAX_CONTACT:
-            data.fault[0] = w
-            if not (isfinite(y) and isfinite(z) and isfinite(roll) and isfinite(yaw)):
-                data.fault[0] = body
-                return Status.NOT_FINITE.value
-            return Status.LEFT_TABLE.value if found < 0 else Status.TOO_MANY_CONTACTS.value
-        if z < -param["derail_lift"]:
-            data.fault[0] = w
-            return Status.DERAILED.value
-        turn = (data.rate[body, 3] * cy, data.rate[body, 3] * sy, data.rate[body, 5])
-        for j in range(found):
-            slope = side * sample[j, SLOPE]
-            cosine = 1.0 / sqrt(1.0 + slope * slope)
-            normal = (0.0, -slope * cosine, cosine)
-            if shifted:
-                normal = turned(axes, normal)
-            lean = dot(normal, axle)
-            radius, out = sample[j, RADIUS], side * (wheel["lateral"] + sample[j, LATERAL])
-            down = radius / sqrt(1.0 - lean * lean)
-            along = out - down * lean
-            arm = add(scale(along, axle), scale(down, normal))
-            if shifted:
-                arm = along_bent(rail, axes, normal, arm, down)
-            moved = add(cross(turn, arm), (0.0, data.rate[body, 1], data.rate[body, 2]))
-            if shifted:
-                moved = sub(moved, scale(data.rate[body, 0], course(rail, arm[0])))
-            approach = dot(normal, moved)
-            elastic = elastic_share(sample, found, j, cosine)
-            depth = sample[j, GAP] * cosine
-            if elastic < power_1_5(depth):
-                depth = elastic ** (2.0 / 3.0)
-            root = sqrt(depth)
-            contact = data.contact[w, j]
-            contact["normal"] = normal_force(param, sample[j, HERTZ], elastic, approach)
-            contact["semi_x"], contact["semi_y"] = sample[j, SEMI_X] * root, sample[j, SEMI_Y] * root
-            contact["f11"], contact["f22"] = sample[j, F11] * depth, sample[j, F22] * depth
-            contact["f23"], contact["f33"] = sample[j, F23] * depth * root, sample[j, F33] * depth * depth
-            contact["depth"] = sample[j, GAP]
-            contact["slope"] = slope
-            contact["lateral"] = sample[j, LATERAL]
-            contact["radius"] = radius
-            contact["region"] = sample[j, REGION]
-            contact["arm"][0], contact["arm"][1], contact["arm"][2] = arm
-        rail["patches"] = found
+            normal = turned(axes, normal)
+        lean = dot(normal, axle)
+        radius, out = sample[j, RADIUS], side * (wheel["lateral"] + sample[j, LATERAL])
+        down = radius / sqrt(1.0 - lean * lean)
+        along = out - down * lean
+        arm = add(scale(along, axle), scale(down, normal))
+        if shifted:
+            arm = along_bent(rail, axes, normal, arm, down)
+        moved = add(cross(turn, arm), (0.0, data.rate[body, 1] - rate_y, data.rate[body, 2] - rate_z))
+        if shifted:
+            moved = sub(moved, scale(data.rate[body, 0], course(rail, arm[0])))
+        approach = dot(normal, moved)
+        elastic = elastic_share(sample, found, j, cosine)
+        depth = sample[j, GAP] * cosine
+        if elastic < power_1_5(depth):
+            depth = elastic ** (2.0 / 3.0)
+        root = sqrt(depth)
+        contact = data.contact[w, j]
+        contact["normal"] = normal_force(param, sample[j, HERTZ], elastic, approach)
+        contact["semi_x"], contact["semi_y"] = sample[j, SEMI_X] * root, sample[j, SEMI_Y] * root
+        contact["f11"], contact["f22"] = sample[j, F11] * depth, sample[j, F22] * depth
+        contact["f23"], contact["f33"] = sample[j, F23] * depth * root, sample[j, F33] * depth * depth
+        contact["depth"] = sample[j, GAP]
+        contact["slope"] = slope
+        contact["lateral"] = sample[j, LATERAL]
+        contact["radius"] = radius
+        contact["region"] = sample[j, REGION]
+        contact["arm"][0], contact["arm"][1], contact["arm"][2] = arm
+    rail["patches"] = found
     return Status.OK.value

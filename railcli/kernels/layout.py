@@ -89,6 +89,8 @@ PARAM = np.dtype(
         ("derail_lift", "f8"),  # climb of a wheel over its nominal height that ends the run [m]
         ("shift_start", "f8"),  # arc length of the first row of Model.shift [m]
         ("shift_step", "f8"),  # between two of its rows [m]
+        ("rail_stiffness", "f8", 2),  # of what bears a rail under a wheel, lateral and vertical; 0: rigid [N/m]
+        ("rail_damping", "f8", 2),  # likewise [N s/m]
     ],
     align=True,
 )
@@ -309,6 +311,20 @@ RAIL = np.dtype(  # derived: force of one wheel on its rail, and how far that ra
         ("vertical_slope", "f8"),
         ("lateral_bend", "f8"),  # [1/m]
         ("vertical_bend", "f8"),
+        ("give", "f8", 2),  # how far it gives way under the wheel beside that: to the right, down [m]
+        ("seat", "f8", 2),  # its force on its springs and dampers, to the right, down [N]
+    ],
+    align=True,
+)
+
+SUPPORT = np.dtype(  # derived: a rail that gives way under a wheel, to the right and down; balance within one step
+    [
+        ("first", "f8", 2),  # its rate at the creep forces of the step before [m/s]
+        ("rate", "f8", 2),  # at those at hand [m/s]
+        ("push", "f8", 2),  # normal forces on it [N]
+        ("drag", "f8", 2),  # creep forces on it [N]
+        ("impedance", "f8", 3),  # force per rate, its place following it: yy, yz, zz [N s/m]
+        ("follow", "f8", (2, 6)),  # change of its rate per change of the wheelset's velocity
     ],
     align=True,
 )
@@ -359,6 +375,9 @@ class Data(NamedTuple):
     dv: np.ndarray  # state: (n_body, 6) acceleration of the last step, which predicts the next
     damper: np.ndarray  # state: (n_state,) lengths of dampers with series stiffness, of friction; leaf springs [m, N]
     tension: np.ndarray  # state: (n_stiff,) of what acts implicitly in its rate, at the last step [N], [N m]
+    yielded: np.ndarray  # state: (n_wheel, 2) how far each rail gives way, right, down; empty where none does [m]
+    yielding: np.ndarray  # state: (n_wheel, 2) how fast, at the last step [m/s]
+    dragged: np.ndarray  # state: (n_wheel, 2) creep forces on each rail, at the last step [N]
     lag: np.ndarray  # state: (n_wheel, MAX_CONTACT, 6) slow patches: strain [N], place [m], 1: is one; then derived
     clock: np.ndarray  # state: (1,) time [s]
     held: np.ndarray  # state: (1,) grown part of the force that holds the speed [N]
@@ -375,6 +394,8 @@ class Data(NamedTuple):
     contact: np.ndarray  # derived: (n_wheel, MAX_CONTACT) CONTACT
     rail: np.ndarray  # derived: (n_wheel,) RAIL
     creep_damping: np.ndarray  # derived: (n_body, 6, 6) -d load / d v of the creep forces
+    wheel_damping: np.ndarray  # derived: (n_wheel, 6, 6) of each wheel, its rail's rate held; empty as yielded
+    support: np.ndarray  # derived: (n_wheel,) SUPPORT; empty as yielded
     stiff: np.ndarray  # derived: (n_stiff,) STIFF
     traction: np.ndarray  # derived: (1,) force that holds the speed [N]
     fault: np.ndarray  # derived: (1,) index of the culprit when the status is not OK
@@ -396,6 +417,7 @@ DATA_TYPE = types.NamedTuple(
     (
         *3 * [mutable(np.float64, 2)],
         *2 * [mutable(np.float64)],
+        *3 * [mutable(np.float64, 2)],
         mutable(np.float64, 3),
         *2 * [mutable(np.float64)],
         *4 * [mutable(np.float64, 2)],
@@ -404,7 +426,8 @@ DATA_TYPE = types.NamedTuple(
         *3 * [mutable(np.float64, 2)],
         mutable(CONTACT, 2),
         mutable(RAIL),
-        mutable(np.float64, 3),
+        *2 * [mutable(np.float64, 3)],
+        mutable(SUPPORT),
         mutable(STIFF),
         mutable(np.float64),
         mutable(np.int64),
@@ -425,6 +448,7 @@ def new_data(model, q, n_damper):
         Number of damper states.
     """
     n_body, n_wheel = model.body.size, model.wheel.size
+    n_yield = n_wheel if model.param[0]["rail_stiffness"].any() else 0
     n_stiff = 1 + model.element["stiff"].max(initial=-1)
     return Data(
         q=np.array(q, dtype=np.float64).reshape(n_body, 6),
@@ -432,6 +456,9 @@ def new_data(model, q, n_damper):
         dv=np.zeros((n_body, 6)),
         damper=np.zeros(n_damper),
         tension=np.zeros(n_stiff),
+        yielded=np.zeros((n_yield, 2)),
+        yielding=np.zeros((n_yield, 2)),
+        dragged=np.zeros((n_yield, 2)),
         lag=np.zeros((n_wheel, MAX_CONTACT, 6)),
         clock=np.zeros(1),
         held=np.zeros(1),
@@ -448,6 +475,8 @@ def new_data(model, q, n_damper):
         contact=np.zeros((n_wheel, MAX_CONTACT), CONTACT),
         rail=np.zeros(n_wheel, RAIL),
         creep_damping=np.zeros((n_body, 6, 6)),
+        wheel_damping=np.zeros((n_yield, 6, 6)),
+        support=np.zeros(n_yield, SUPPORT),
         stiff=np.zeros(n_stiff, STIFF),
         traction=np.zeros(1),
         fault=np.zeros(1, np.int64),

@@ -5,11 +5,10 @@ from enum import IntEnum
 from numba import types
 
 from .body import drift, drift_on, frames, inertia_loads
-from .contact import touch
 from .jit import entry
 from .layout import DATA_TYPE, MODEL_TYPE
-from .slip import slip
 from .step import THETA, accelerate, core, hold_speed
+from .support import press, slip
 from .suspension import suspension
 
 
@@ -36,7 +35,7 @@ def repeat(model, data, stage, times):
         elif stage == Stage.SUSPENSION:
             status = suspension(model, data, half_step, True)
         elif stage == Stage.CONTACT:
-            status = touch(model, data)
+            status = press(model, data, THETA * step, (THETA - 0.5) * step)
         elif stage == Stage.CREEP:
             slip(model, data, 0.0)
         elif stage == Stage.INTEGRATION:

@@ -5,13 +5,13 @@ from math import isfinite
 from numba import types
 
 from .body import drift, drift_on, frames, inertia_loads
-from .contact import touch
 from .curve import read_curve
 from .implicit import answer, settle_tensions
 from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, Status
 from .recording import BATCH, ROWS_TYPE, STREAM_TYPE, felt, flush, new_stream, note, open_row, take
-from .slip import describe_patch, remember, slip, slip_wheelset
+from .slip import describe_patch, remember
+from .support import CREEPING, agree, give_way, press, slip, slip_wheelset
 from .suspension import suspension
 from .vec3 import add, dot, get, scale, sub
 
@@ -19,7 +19,8 @@ THETA = 9.0 / 16.0  # place within the step at which creep forces are taken
 ROUNDS = 12  # evaluations of the creep forces of a wheelset beyond the first
 SHORTEST = 1.0 / 64.0  # share of a Newton step below which it is halved no more
 SPIN_ARM = 0.5  # at which the spin of a wheelset counts as slip [m]
-CREEPING = 1e-3  # speed that counts where a wheelset is slower, in the tolerance of its creep forces [m/s]
+AGREED = 1e-6  # difference of the creep forces on a rail at rest from those that it bears [N]
+AGREEMENTS = 40  # evaluations until then
 
 
 @kernel
@@ -52,10 +53,14 @@ def loads(model, data, half_step, moving):
     if status != 0:
         return status
     inertia_loads(model, data)
-    status = touch(model, data)
+    step = model.param[0]["step"]
+    if moving:
+        status = press(model, data, THETA * step, (THETA - 0.5) * step)
+    else:
+        status = press(model, data, half_step, 0.0)
     if status != 0:
         return status
-    slip(model, data, model.param[0]["step"] if moving else 0.0)
+    slip(model, data, step if moving else 0.0)
     hold_speed(model, data)
     return 0
 
@@ -199,6 +204,7 @@ def step(model, data):
     remember(model, data, h)
     if data.stiff.size > 0:
         settle_tensions(model, data, THETA * h)
+    give_way(model, data, h, THETA)
     for i in range(n):
         for k in range(6):
             data.v[i, k] = data.v_start[i, k] + half * data.dv[i, k]
@@ -235,8 +241,16 @@ def advance(model, data, n_steps):
 
 @entry(types.int64(MODEL_TYPE, DATA_TYPE, types.float64))
 def evaluate(model, data, half_step):
-    """Loads and accelerations at data.q and data.v, nothing moved; half_step as `loads`. Returns a Status."""
+    """Loads and accelerations at data.q and data.v, nothing moved; half_step as `loads`. Returns a Status.
+
+    Rails that give way have the rates data.yielding, after which their places are half_step on; creep forces on them
+    are those that they bear.
+    """
     status = loads(model, data, half_step, False)
+    for _ in range(AGREEMENTS if data.yielded.shape[0] > 0 else 0):
+        if status != 0 or agree(model, data) < AGREED:
+            break
+        status = loads(model, data, half_step, False)
     accelerate(model, data, 0.0)
     return status
 

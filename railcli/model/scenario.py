@@ -19,6 +19,7 @@ from .rails import course
 from .sections import Gradient
 from .submodels import CREEP_LAWS, NORMAL_LAWS
 from .track import MARGIN, Track, gradient_course, pack
+from .track_support import TrackSupport
 from .vehicle import Vehicle
 
 FASTEST = 150.0  # [m/s]
@@ -219,6 +220,7 @@ class Scenario(Description):
     gradients: tuple[Gradient, ...] = Field((), alias="gradient")
     limits: Limits = Limits()
     contact: Contact = Contact()
+    track_support: TrackSupport = TrackSupport()
     irregularity: tuple[Source, ...] = ()
     start: Start = Start()
     _contents: dict = PrivateAttr(default_factory=dict)
@@ -348,6 +350,8 @@ class Scenario(Description):
         values = self.as_dict()
         for key in ("name", "title", "description", "changes", "limits"):
             del values[key]
+        if not self.track_support.gives_way:
+            del values["track_support"]
         left = zip(("left_wheel_profile", "left_rail_profile", "left_table"), self.contact.sides[1], strict=True)
         values["contact"].update(left)
         del values["contact"]["digests"]

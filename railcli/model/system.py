@@ -77,6 +77,17 @@ class System:
         return replace(self, model=freeze(model), speed=float(speeds[0]))
 
     @property
+    def gives_way(self):
+        """True when the rails do."""
+        return bool(self.model.param[0]["rail_stiffness"].any())
+
+    def on_rigid_track(self):
+        """The same system on rails that do not give way."""
+        param = self.model.param.copy()
+        param["rail_stiffness"] = param["rail_damping"] = 0.0
+        return replace(self, model=freeze(self.model._replace(param=param)))
+
+    @property
     def mean_radii(self):
         """Mean radius of the two tape circles of each wheelset [m]."""
         return self.model.wheel["radius"].reshape(-1, 2).mean(axis=1)
@@ -166,6 +177,7 @@ def parameters(scenario):
     param["damping_rate_power"] = 1.0
     param["damping_depth_power"] = 1.5
     param["derail_lift"] = DERAIL_LIFT
+    param["rail_stiffness"], param["rail_damping"] = scenario.track_support.packed()
     return param
 
 

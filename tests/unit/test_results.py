@@ -6,6 +6,7 @@ import signal
 import h5py
 import numpy as np
 import pytest
+import scenes
 
 from railcli.errors import InputError, SimulationError
 from railcli.files.growing_hdf5 import GrowingHdf5, uninterrupted
@@ -74,6 +75,21 @@ def test_rows_are_read_as_they_came(wagon, tmp_path, count):
         there = rows.contact["depth"][:, 0] > 0.0
         assert np.array_equal(right["contact/normal"], np.where(there, rows.contact["normal"][:, 0], 0.0))
         assert np.array_equal(right["contact/xi"], np.where(there, rows.contact["xi"][:, 0], np.nan), equal_nan=True)
+
+
+def test_rails_that_give_way_have_channels(wagon, tmp_path):
+    """And rigid ones have none."""
+    soft = scenes.tuned(wagon, rail_stiffness=(2e7, 5e7), rail_damping=(4e4, 1e5))
+    rows, (part,) = blocks(soft, 20)
+    for name, system in (("rigid.h5", wagon), ("soft.h5", soft)):
+        with TimeSeries(tmp_path / name, system) as series:
+            series(part)
+    with h5py.File(tmp_path / "rigid.h5") as rigid, h5py.File(tmp_path / "soft.h5") as file:
+        more = set(file["wheels/W2_left"]) - set(rigid["wheels/W2_left"])
+        assert more == {"give_y", "give_z", "seat_Y", "seat_Q"}
+        for name, channels in (("give", ("give_y", "give_z")), ("seat", ("seat_Y", "seat_Q"))):
+            for c, channel in enumerate(channels):
+                assert np.array_equal(file[f"wheels/W2_left/{channel}"], rows.rail[name][:, 3, c])
 
 
 @pytest.mark.parametrize("failure", [KeyboardInterrupt(), SimulationError("derailed"), ZeroDivisionError()], ids=repr)

@@ -14,7 +14,18 @@ from railcli.files import toml
 from railcli.files.resources import resource
 from railcli.files.scenario import builtin_scenarios, load
 from railcli.kernels.layout import Creep
-from railcli.model import air, elements, friction_elements, limits, moments, scenario, sections, tables, vehicle
+from railcli.model import (
+    air,
+    elements,
+    friction_elements,
+    limits,
+    moments,
+    scenario,
+    sections,
+    tables,
+    track_support,
+    vehicle,
+)
 from railcli.model.checks import Description
 from railcli.model.submodels import CREEP_LAWS, choose
 
@@ -132,6 +143,29 @@ def test_digest_names_what_decides_the_results(load_text):
     assert load_text('title = "words"\n' + SHORT, "renamed.toml").digest() == case.digest()
     assert load_text(SHORT + "[contact]\nfriction = 0.3").digest() == case.digest()
     assert load_text(SHORT + "[contact]\nfriction = 0.31").digest() != case.digest()
+
+
+def test_track_support(load_text):
+    """Rigid unless asked for; a named track, with a value replaced; digests tell what gives way."""
+    rigid = load_text(SHORT)
+    assert rigid.track_support.packed() == ((0.0, 0.0), (0.0, 0.0))
+    assert load_text(SHORT + '[track_support]\nkind = "rigid"').digest() == rigid.digest()
+    soft = load_text(SHORT + '[track_support]\nkind = "ballasted-soft"')
+    other = load_text(SHORT + '[track_support]\nkind = "ballasted-soft"\nvertical_stiffness_MN_per_m = 80')
+    (lateral, vertical), damping = soft.track_support.packed()
+    assert other.track_support.packed() == ((lateral, 80e6), damping) and vertical < 80e6
+    assert len({case.digest() for case in (rigid, soft, other)}) == 3
+    text = "kind = 'own'\nvertical_stiffness_N_per_m = 5e7\nvertical_damping_Ns_per_m = 1e5"
+    own = text + "\nlateral_stiffness_N_per_m = 2e7\nlateral_damping_Ns_per_m = 4e4"
+    assert load_text(f"{SHORT}[track_support]\n{own}").track_support.packed() == ((2e7, 5e7), (4e4, 1e5))
+    with pytest.raises(InputError, match="needs lateral_stiffness and lateral_damping as well"):
+        load_text(f"{SHORT}[track_support]\n{text}")
+    with pytest.raises(InputError, match="vertical_damping belongs to a track that gives way"):
+        load_text(f"{SHORT}[track_support]\nvertical_damping_Ns_per_m = 1e5")
+    with pytest.raises(InputError, match="unknown name 'slap'; did you mean 'slab'"):
+        load_text(f"{SHORT}[track_support]\nkind = 'slap'")
+    with pytest.raises(InputError, match=r"vertical_stiffness_N_per_m: must be >= 1e\+?0?6"):
+        load_text(f"{SHORT}[track_support]\nkind = 'slab'\nvertical_stiffness_N_per_m = 5")
 
 
 def test_as_dict_says_units():
@@ -332,7 +366,8 @@ def test_registry_gives_a_near_name():
 
 
 def descriptions():
-    for module in (scenario, sections, limits, vehicle, elements, friction_elements, tables, moments, air):
+    modules = scenario, sections, limits, vehicle, elements, friction_elements, tables, moments, air, track_support
+    for module in modules:
         for item in vars(module).values():
             if isinstance(item, type) and issubclass(item, Description) and item.__module__ == module.__name__:
                 if not item.__name__.startswith("_"):
