@@ -185,6 +185,8 @@ def linear_of(scenario, tables):
     system = assemble(scenario, tables)
     rest = static(system).data
     right = rest.contact[::2, 0]
+    (_, stiffness), (_, damping) = scenario.track_support.packed()
+    rail = (stiffness, damping) if scenario.track_support.gives_way else None
     contacts = [
         Contact(
             force=float(one["normal"]),
@@ -192,6 +194,7 @@ def linear_of(scenario, tables):
             cosine=float(np.cos(np.arctan(one["slope"]))),
             creep=float(one["f11"]),
             damping=scenario.contact.damping,
+            rail=rail,
         )
         for one in right
     ]

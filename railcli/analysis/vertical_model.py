@@ -2,9 +2,9 @@
 
 Written from the vehicle's description, not from the packed model: bodies move along x and z and pitch, wheelsets along
 x and z and spin; springs and dampers as they stand, dampers with series stiffness with their state, dry friction by its
-series spring, contact by its stiffness about rest, 1.5 N / p along z, and its damping (docs/disturbance.md). Signs of
-the track frame: z down, pitch front up. All quantities are departures from rest on straight level track at constant
-speed.
+series spring, contact by its stiffness about rest, 1.5 N / p along z, and its damping (docs/disturbance.md). Rails may
+stand on a spring and a damper each, without mass. Signs of the track frame: z down, pitch front up. All quantities are
+departures from rest on straight level track at constant speed.
 """
 
 from dataclasses import dataclass
@@ -35,6 +35,8 @@ class Contact:
         f11 [N].
     damping : float
         D of N = k d^1.5 (1 + D d') [s/m].
+    rail : pair of float, optional
+        Stiffness [N/m] and damping [N s/m] of what bears its rail; None: the rail does not give way.
     """
 
     force: float
@@ -42,6 +44,7 @@ class Contact:
     cosine: float
     creep: float
     damping: float
+    rail: tuple | None = None
 
     @property
     def stiffness(self):
@@ -52,6 +55,19 @@ class Contact:
     def resistance(self):
         """Of the vertical force over the vertical rate [N s/m]."""
         return self.damping * self.force * self.cosine**2
+
+    @property
+    def share(self):
+        """What a sudden approach leaves of its force when the rail's damper and the contact's stand in series."""
+        return 1.0 if self.rail is None else self.rail[1] / (self.rail[1] + self.resistance)
+
+    @property
+    def held(self):
+        """Force per deflection of the rail, the wheel held: what its spring gives less what the contact loses [N/m]."""
+        if self.rail is None:
+            return 0.0
+        stiffness, damping = self.rail
+        return (stiffness * self.resistance - damping * self.stiffness) / (damping + self.resistance)
 
 
 @dataclass(frozen=True)
@@ -148,13 +164,13 @@ def vertical_model(vehicle, contacts, speed, hold, gravity):
         sink, slide = np.zeros(n), np.zeros(n)
         sink[3 * i + Z] = 1.0
         slide[3 * i + X], slide[3 * i + PITCH] = 1.0, vehicle.bodies[i].wheel_radius
-        stiffness += 2.0 * contact.stiffness * np.outer(sink, sink)
-        damping += 2.0 * contact.resistance * np.outer(sink, sink)
+        stiffness += 2.0 * contact.share * contact.stiffness * np.outer(sink, sink)
+        damping += 2.0 * contact.share * contact.resistance * np.outer(sink, sink)
         damping += 2.0 * contact.creep / speed * np.outer(slide, slide)
         downhill = np.zeros(n)
         downhill[3 * i + X] = 2.0 * contact.force / speed
-        from_height.append(2.0 * contact.stiffness * sink)
-        from_rate.append(2.0 * contact.resistance * sink + downhill)
+        from_height.append(2.0 * contact.share * contact.stiffness * sink)
+        from_rate.append(2.0 * contact.share * contact.resistance * sink + downhill)
         at_rail.append((sink, contact))
     space = _space(mass, stiffness, damping, states, np.array(from_height), np.array(from_rate), at_rail)
     first = vehicle.bodies[0].x
@@ -241,24 +257,37 @@ def _tilt(vehicle, n, place, axes):
 
 
 def _space(mass, stiffness, damping, states, from_height, from_rate, at_rail):
+    """State space over places, rates, dampers and rails u that give way: c u' + k u = contact's force on the rail.
+
+    The contact's force is share (k_c (z - u - h) + c_c (z' - h')) + ... u, once u' is put into c_c (z' - u' - h').
+    """
     n, m, wheelsets = mass.size, len(states), len(at_rail)
+    giving = [k for k, (_, contact) in enumerate(at_rail) if contact.rail is not None]
+    first, size = 2 * n + m, 2 * n + m + len(giving)
     direction = np.array([row for row, *_ in states]).reshape(m, n)
     series, damper, beside = (np.array([state[k] for state in states]) for k in (1, 2, 3))
     rate = series / damper
     stiffness = stiffness + direction.T @ (series[:, None] * direction)
-    a = np.zeros((2 * n + m, 2 * n + m))
+    a = np.zeros((size, size))
     a[:n, n : 2 * n] = np.eye(n)
     a[n : 2 * n, :n] = -stiffness / mass[:, None]
     a[n : 2 * n, n : 2 * n] = -damping / mass[:, None]
-    a[n : 2 * n, 2 * n :] = direction.T * series / mass[:, None]
-    a[2 * n :, :n] = rate[:, None] * direction
-    a[2 * n :, 2 * n :] = -np.diag(rate + beside / damper)
-    b = np.zeros((2 * n + m, 2 * wheelsets))
+    a[n : 2 * n, 2 * n : first] = direction.T * series / mass[:, None]
+    a[2 * n : first, :n] = rate[:, None] * direction
+    a[2 * n : first, 2 * n : first] = -np.diag(rate + beside / damper)
+    b = np.zeros((size, 2 * wheelsets))
     b[n : 2 * n] = np.hstack([from_height.T, from_rate.T]) / mass[:, None]
-    wheel = np.zeros((wheelsets, 2 * n + m))
+    wheel = np.zeros((wheelsets, size))
     through = np.zeros((wheelsets, 2 * wheelsets))
     for k, (sink, contact) in enumerate(at_rail):
-        wheel[k, :n], wheel[k, n : 2 * n] = contact.stiffness * sink, contact.resistance * sink
-        through[k, k], through[k, wheelsets + k] = -contact.stiffness, -contact.resistance
+        over_place, over_rate = contact.share * contact.stiffness, contact.share * contact.resistance
+        wheel[k, :n], wheel[k, n : 2 * n] = over_place * sink, over_rate * sink
+        through[k, k], through[k, wheelsets + k] = -over_place, -over_rate
+    for row, k in enumerate(giving, start=first):
+        sink, contact = at_rail[k]
+        wheel[k, row] = contact.held
+        a[n : 2 * n, row] = -2.0 * contact.held * sink / mass
+        a[row], b[row] = wheel[k] / contact.rail[1], through[k] / contact.rail[1]
+        a[row, row] -= contact.rail[0] / contact.rail[1]
     vertical = n + np.arange(n)[Z::3]
     return StateSpace(a, b, np.vstack([wheel, a[vertical]]), np.vstack([through, b[vertical]]))

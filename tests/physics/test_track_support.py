@@ -116,6 +116,36 @@ def test_a_dropped_wheelset_loses_energy_until_it_rests(table):
     assert data.q[0, 2] == pytest.approx(rest.q[0, 2], abs=tol.RAIL_RESTS)
 
 
+@pytest.mark.parametrize("damping", [5e3, 2e4])
+def test_dipped_joint_gives_the_published_peak(table, damping):
+    """P2 = P0 + 2 a V sqrt(K M) (1 - pi C / (4 sqrt(K M))), Jenkins et al. (1974), for a track without mass.
+
+    K is that of the rail and the contact in series, M half the wheelset, 2 a the kink at the bottom of the dip.
+    """
+    kink, speed, reach, joint, spacing = 5e-4, 40.0, 5.0, 25.005, 0.01
+
+    def dip(s):
+        value, slope = np.zeros((2, 2, s.size)), np.zeros((2, 2, s.size))
+        before, behind = np.clip((s - joint) / reach + 1.0, 0.0, 1.0), np.clip(1.0 - (s - joint) / reach, 0.0, 1.0)
+        side = np.where(s < joint, before, behind)
+        value[:, 1] = 0.25 * kink * reach * side**2
+        slope[:, 1] = 0.5 * kink * np.where(s < joint, before, -behind)
+        return value, slope
+
+    system = scenes.tuned(lone(table, speed, step=5e-5), rail_stiffness=(2e7, 5e7), rail_damping=(1e4, damping))
+    system = scenes.on_rails(scenes.tuned(system, damping=0.0), dip, spacing, (-45.0, 60.0))
+    rest = static(system).data
+    patch, mass = rest.contact[0, 0], 0.5 * system.model.body[0]["mass"]
+    stiffness = 1.0 / (1.0 / 5e7 + patch["depth"] / (1.5 * rest.rail["q"][0]))
+    data, peak = settled_start(system), 0.0
+    while data.q[0, 0] < joint + 1.0:
+        assert advance(system.model, data, 1) == 0
+        peak = max(peak, data.rail["q"][0])
+    root = np.sqrt(stiffness * mass)
+    formula = kink * speed * root * (1.0 - 0.25 * np.pi * damping / root)
+    assert peak - rest.rail["q"][0] == pytest.approx(formula, rel=tol.P2)
+
+
 def test_steady_curving_stays(wagon):
     """Newton's steady motion is one of the time steps too, and the rails bear what the wheels press."""
     system = supported(wagon)

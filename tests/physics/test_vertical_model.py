@@ -12,6 +12,7 @@ from railcli.analysis.vertical_model import Contact, vertical_model
 from railcli.files.benchmark import manchester_criteria
 from railcli.files.scenario import load, load_vehicle
 from railcli.model.elements import Joint
+from railcli.model.track_support import TrackSupport
 from railcli.model.vehicle import Body, Vehicle
 
 CONTACT = Contact(force=5e4, depth=8e-5, cosine=1.0, creep=8e6, damping=0.0)
@@ -28,6 +29,22 @@ def test_lone_wheelset():
     force, acceleration = model.transfer(f).T
     assert_allclose(force, k * inertia / (2 * k - inertia), rtol=tol.CLOSED_RESPONSE)
     assert_allclose(acceleration, -2.0 * force / mass, rtol=tol.CLOSED_RESPONSE)
+
+
+@pytest.mark.parametrize("damping", [0.0, 2.0])
+def test_lone_wheelset_on_rails_that_give_way(damping):
+    """The contact and the rail's spring and damper in series under half the mass, by hand."""
+    mass, speed, rail = 1813.0, 40.0, (5e7, 7e4)
+    body = Body(name="w", mass=mass, inertia=(1120.0, 112.0, 1120.0), x=0.0, wheel_radius=0.46)
+    contact = replace(CONTACT, damping=damping, rail=rail)
+    model = vertical_model(Vehicle(name="w", bodies=(body,)), [contact], speed, 0.0, GRAVITY)
+    for f in (1.0, 20.0, 50.0, 100.0, 400.0):
+        jw = 2j * np.pi * f
+        series = 1.0 / (1.0 / (contact.stiffness + jw * contact.resistance) + 1.0 / (rail[0] + jw * rail[1]))
+        sunk = 2.0 * series / (2.0 * series + mass * jw**2)  # of the wheelset per height of the rails
+        force, acceleration = model.transfer(f)[0]
+        assert force == pytest.approx(series * (sunk - 1.0), rel=tol.CLOSED_RESPONSE)
+        assert acceleration == pytest.approx(jw**2 * sunk, rel=tol.CLOSED_RESPONSE)
 
 
 def quarter():
@@ -115,6 +132,18 @@ def test_small_bumps(case, table):
     assert 100.0 * errors[1] < criteria["force_percent"]
     assert 100.0 * bump.acceleration_error < criteria["acceleration_percent"]
     assert errors[0] / errors[1] > 3.0
+
+
+def test_small_bump_on_rails_that_give_way(case, table):
+    """Compiled model against the linear one whose rails give way."""
+    criteria = manchester_criteria()["disturbance"]
+    soft = case.varied(track_support=TrackSupport(kind="ballasted-soft"), contact={"damping": 0.2})
+    step = disturbance.STEPS[1]
+    plain = disturbance.traced(disturbance.straight(soft, 160.0, step), [table])
+    bump = disturbance.small_bump(soft, [table], plain, 0.4, step)
+    assert 0.001 < bump.share < 0.06
+    assert 100.0 * bump.force_error < criteria["force_percent"]
+    assert 100.0 * bump.acceleration_error < criteria["acceleration_percent"]
 
 
 def test_frequency_response(case, table, monkeypatch):
