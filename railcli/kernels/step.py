@@ -11,7 +11,7 @@ from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, Status
 from .recording import BATCH, ROWS_TYPE, STREAM_TYPE, felt, flush, new_stream, note, open_row, take
 from .slip import describe_patch, remember
-from .support import CREEPING, agree, give_way, press, slip, slip_wheelset
+from .support import CREEPING, agree, give_way, press, settle_drag, slip, slip_wheelset
 from .suspension import suspension
 from .vec3 import add, dot, get, scale, sub
 
@@ -61,6 +61,10 @@ def loads(model, data, half_step, moving):
     if status != 0:
         return status
     slip(model, data, step if moving else 0.0)
+    if moving and data.yielded.shape[0] > 0:
+        status = settle_drag(model, data, step, THETA * step, (THETA - 0.5) * step)
+        if status != 0:
+            return status
     hold_speed(model, data)
     return 0
 

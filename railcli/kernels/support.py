@@ -18,6 +18,10 @@ HERTZ = Node.HERTZ.value
 TRIES = 60  # of the balance of a rail
 LEFT, LEFT_AT_REST = 1e-2, 1e-6  # force that may stay unbalanced within a step, and where none is taken [N]
 SINK = 1e-3  # largest move of one try [m]
+SHORTEST_MOVE = 1.0 / 8.0  # share of it below which it is halved no more
+SINGULAR = 1e-2  # of the determinant that the patches' own slopes give: what is below is not believed
+REPEATS = 8  # of normal and creep forces within a step
+LAGGING = 20.0  # difference of the creep forces on a rail from those that its normal forces know, not worth one [N]
 ROUNDS = 12  # evaluations of the creep forces of one wheel on a rail that moves
 SHORTEST = 1.0 / 64.0  # share of a Newton step below which it is halved no more
 CREEPING = 1e-3  # speed that counts where a wheelset is slower, in the tolerance of its creep forces [m/s]
@@ -75,9 +79,11 @@ def pushed(model, data, w, reach):
 
 @seldom
 def yield_rail(model, data, w, reach, lead):
-    """Normal contact of wheel w where its rail bears it: Newton's method for the rail's rate. Returns a status.
+    """Normal contact of wheel w where its rail bears it: Broyden's method for the rail's rate. Returns a status.
 
-    Creep forces count as they were (data.dragged); what they change is up to `slip_yielding`.
+    It begins with the slope of each patch along its own normal and learns what that leaves out, such as patches that
+    merge. A move that does not lessen what is left is halved. Creep forces count as in data.dragged; what they change
+    is up to `slip_yielding`.
     """
     ky, kz = model.param[0]["rail_stiffness"][0], model.param[0]["rail_stiffness"][1]
     cy, cz = model.param[0]["rail_damping"][0], model.param[0]["rail_damping"][1]
@@ -86,6 +92,9 @@ def yield_rail(model, data, w, reach, lead):
     rate_y, rate_z = (before[0], before[1]) if lead > 0.0 else (0.0, 0.0)
     enough = LEFT if lead > 0.0 else LEFT_AT_REST
     support = data.support[w]
+    good_y = good_z = good_rest_y = good_rest_z = move_y = move_z = 0.0
+    jyy = jyz = jzy = jzz = 0.0
+    least, share = -1.0, 1.0
     for left in range(TRIES, 0, -1):
         at_y, at_z = base_y + reach * rate_y, base_z + reach * rate_z
         status = touch_wheel(model, data, w, at_y, at_z, rate_y, rate_z)
@@ -101,9 +110,27 @@ def yield_rail(model, data, w, reach, lead):
         support["impedance"][0], support["impedance"][1], support["impedance"][2] = yy, yz, zz
         if left == 1 or max(abs(rest_y), abs(rest_z)) < enough:
             break
-        more_y, more_z = solve_pair(yy, yz, yz, zz, rest_y, rest_z)
-        share = min(1.0, SINK / max(reach * max(abs(more_y), abs(more_z)), 1e-300))
-        rate_y, rate_z = rate_y + share * more_y, rate_z + share * more_z
+        size = rest_y * rest_y + rest_z * rest_z
+        if least < 0.0:
+            jyy, jyz, jzy, jzz = yy, yz, yz, zz
+        else:
+            step_y, step_z = rate_y - good_y, rate_z - good_z
+            per = 1.0 / max(step_y * step_y + step_z * step_z, 1e-300)
+            miss_y = per * (good_rest_y - rest_y - jyy * step_y - jyz * step_z)
+            miss_z = per * (good_rest_z - rest_z - jzy * step_y - jzz * step_z)
+            jyy, jyz = jyy + miss_y * step_y, jyz + miss_y * step_z
+            jzy, jzz = jzy + miss_z * step_y, jzz + miss_z * step_z
+            if not jyy * jzz - jyz * jzy > SINGULAR * yy * zz:
+                jyy, jyz, jzy, jzz = yy, yz, yz, zz
+        if least >= 0.0 and not size < least and share > SHORTEST_MOVE:
+            share *= 0.5
+            rate_y, rate_z = good_y + share * move_y, good_z + share * move_z
+            continue
+        good_y, good_z, good_rest_y, good_rest_z, least, share = rate_y, rate_z, rest_y, rest_z, size, 1.0
+        move_y, move_z = solve_pair(jyy, jyz, jzy, jzz, rest_y, rest_z)
+        most = min(1.0, SINK / max(reach * max(abs(move_y), abs(move_z)), 1e-300))
+        move_y, move_z = most * move_y, most * move_z
+        rate_y, rate_z = rate_y + move_y, rate_z + move_z
     return 0
 
 
@@ -193,6 +220,32 @@ def slip_yielding(model, data, w, step):
         for b in range(6):
             yielded = block[w, a, 1] * support["follow"][0, b] + block[w, a, 2] * support["follow"][1, b]
             data.creep_damping[i, a, b] += block[w, a, b] - yielded
+
+
+@seldom
+def settle_drag(model, data, step, reach, lead):
+    """Normal and creep forces on rails once more, until each knows the other; step, reach, lead as above.
+
+    Returns a status.
+    """
+    for _ in range(REPEATS):
+        most = 0.0
+        for w in range(data.yielded.shape[0]):
+            for c in range(2):
+                most = max(most, abs(data.support[w]["drag"][c] - data.dragged[w, c]))
+        if most < LAGGING:
+            break
+        for w in range(data.yielded.shape[0]):
+            data.dragged[w, 0], data.dragged[w, 1] = data.support[w]["drag"][0], data.support[w]["drag"][1]
+        for w in range(0, model.wheel.size, 2):
+            i = model.wheel[w]["body"]
+            for a in range(6):
+                data.load[i, a] -= data.rail_load[i, a]
+        status = press(model, data, reach, lead)
+        if status != 0:
+            return status
+        slip(model, data, step)
+    return 0
 
 
 @kernel
