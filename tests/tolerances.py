@@ -381,4 +381,4 @@ RAIL_MIRROR = 1e-12  # m: rounding
 RAIL_ALL_BUT_RIGID = 2e-6  # m: 54 kN on 1e11 N/m are half a micrometre
 BEAM_ON_BED = 2e-4  # wave numbers cut off at 200 1/m leave out 2e-6; the slope is taken over 1e-3 of the range
 P2 = 0.02  # the formula is of first order in the damping, and takes a rail that parts from level at once
-STRIKE = 0.06  # of a peak: at 1 ms the force is seen once in each millisecond of a strike of some; measured 5.3 % (slab)
+STRIKE = 0.06  # of a peak: at 1 ms the force is seen once in each millisecond of a strike; measured 5.3 % (slab)
