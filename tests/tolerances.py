@@ -149,6 +149,7 @@ EN15302_ROLL = 1.5e-6  # [m] known to 1 micrometre; measured 0.9
 # --- Import and curation of profiles ---
 IMPORTED_ROUNDING = 1e-9  # [m] canonical files have 9 decimals of mm; inches and metres in samples have 9 digits
 IMPORTED_WHEEL = 2.5e-7  # [m] Manchester wheel on the bundled one: 0.12 um of section C, and its own last digit
+SAME_RAIL_CONICITY = 3e-3  # relative; a file of the same rail, 0.03 um apart, its points round jumps of curvature
 INSTRUMENT_MM = 0.05  # Sd, Sh, qR of the instrument's own smoothing against unsmoothed points; measured 0.04
 LIP = 2e-5  # [m] tangents at the corner where a gauge face is continued bulge the last piece by some micrometres
 STITCHED = 0.03e-3  # [m] the mean of two points 0.1 mm apart on the same curve, off by its sagitta on the tightest arc

@@ -38,6 +38,11 @@ def shape_options(command):
             click.option(
                 "--resample", type=float, metavar="MM", help="Points at this distance.  [default: those of the file]"
             ),
+            click.option(
+                "--inclination",
+                type=click.Choice(["included", "upright"]),
+                help="How a rail stands in the file.  [default: as the file says]",
+            ),
         )
     ):
         command = option(command)

@@ -1,7 +1,7 @@
 """Profile files of any kind to the canonical form, with an account of all that was decided and changed."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from railcli.model.smoothing import change, resample, smooth
 from .alignment import Decision, align, find_kind
 from .formats import read_points
 from .output import write_json, write_text
-from .profiles import BUNDLED, check_angle, check_curve, load_profile
+from .profiles import BUNDLED, LEAN, STANDS, check_angle, check_curve, load_profile, stated_inclination
 
 ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
@@ -24,9 +24,8 @@ WHEEL_REACH = (-0.035, 0.020)  # running surface that a table needs: flange root
 GAUGE_DEPTH = 0.014  # below the top, where gauge is measured [m]
 RUNNING_SLOPE = np.tan(np.radians(60.0))
 GAP = 3e-3  # between neighbouring points, from which the report warns [m]
-LEAN = np.radians(0.5)  # of the head, from which the report warns that it may be inclined already
 LARGEST_SHIFT = 0.1  # of a wheel to the field side [m]
-LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
+SIDE = 0.002  # a running surface that ends this near to the field side of a head ends with it [m]
 
 
 @dataclass(frozen=True)
@@ -43,6 +42,8 @@ class ImportSettings:
         Cut-off wavelength.
     resample : float or None
         Distance of points.
+    inclination : "included", "upright" or None
+        How a rail stands in the file; None: as the file says, if it does.
     """
 
     kind: str | None = None
@@ -52,6 +53,7 @@ class ImportSettings:
     shift_y: float = 0.0
     smooth: float | None = None
     resample: float | None = None
+    inclination: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +109,8 @@ def convert(measured, settings):
             raise InputError("--shift-y", f"is {settings.shift_y * 1e3:g} mm; allowed: -{most} to {most}")
         y = y + settings.shift_y
         decisions.append(Decision("shift y", f"{settings.shift_y * 1e3:g} mm", "given"))
+    stands = _stands(path, kind.choice, settings)
+    decisions += [stands] if stands else []
     curation = Curation(path, kind.choice, y, aligned.z, aligned.lines).run()
     raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z)
     raw = raw.translated(*_to_origin(path, raw))
@@ -129,6 +133,7 @@ def convert(measured, settings):
         move = _to_origin(path, profile)
         raw, profile = raw.translated(*move), profile.translated(*move)
         check_curve(path, kind.choice, profile.y * 1e3, profile.z * 1e3, np.arange(profile.y.size))
+    profile = replace(profile, inclined=STANDS[stands.choice] if stands else None)
     account = {
         "file": str(path),
         "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
@@ -198,7 +203,7 @@ def dimensions(profile):
         names = {"height": "flange_height_mm", "thickness": "flange_thickness_mm", "qr": "qr_mm", "width": "width_mm"}
         return found | {name: getattr(flange, key) * 1e3 for key, name in names.items()}
     found["head_width_mm"] = float(np.ptp(profile.y)) * 1e3
-    found["lean_degrees"] = float(np.degrees(_lean(profile)))
+    found["lean_degrees"] = float(np.degrees(profile.lean))
     try:
         found["gauge_point_y_mm"] = profile.gauge_point()[0] * 1e3
     except InputError:
@@ -217,6 +222,14 @@ def unfit(profile):
     if profile.kind == "rail":
         top = start + step * int(np.argmin(graph[:, 0]))
         low, high = top - RAIL_REACH, top + RAIL_REACH
+        if start <= low and end < high and profile.y.max() - end < SIDE:
+            if profile.lean > LEAN:
+                return []
+            return [
+                f"{profile.name}: the head ends {(profile.y.max() - top) * 1e3:.4g} mm to the field side of its "
+                f"highest point though it does not lean to the gauge side; at least {RAIL_REACH * 1e3:g} mm is needed: "
+                "give the head from side to side, or correct --mirror-y"
+            ]
     else:
         low, high = WHEEL_REACH
     if start > low or end < high:
@@ -240,6 +253,7 @@ def canonical_text(imported, settings):
     head = [
         f"# name: {profile.name}",
         f"# kind: {profile.kind}",
+        *(f"# inclination: {word}" for word, inclined in STANDS.items() if profile.inclined is inclined),
         f"# axes: right-hand {profile.kind}, y to the field side, z down, origin at {origin}",
         f"# source: {Path(account['file']).name}, {account['format']}, SHA-256 {account['sha256']}",
         f"# smoothing: {smoothed}",
@@ -320,6 +334,18 @@ def _distance(before, after):
     return float(np.abs(across).max()) * 1e3
 
 
+def _stands(path, kind, settings):
+    """Decision on how a rail stands in its file; None if nobody says."""
+    if kind != "rail":
+        if settings.inclination:
+            raise InputError("--inclination", "is for rails")
+        return None
+    if settings.inclination:
+        return Decision("inclination", settings.inclination, "given")
+    found = stated_inclination(path.read_text(encoding="utf-8-sig", errors="replace"), path)
+    return Decision("inclination", found, "as the file says") if found else None
+
+
 def _places(profile, index):
     turn = np.degrees(np.diff(np.unwrap(np.arctan2(np.diff(profile.z), np.diff(profile.y)))))
     return [
@@ -332,21 +358,19 @@ def _ends(values):
     return [float(values.min()) * 1e3, float(values.max()) * 1e3]
 
 
-def _lean(profile):
-    """Angle of a head's middle from the horizontal [rad], positive when it leans inwards (gauge side down)."""
-    middle = (profile.y.min() + profile.y.max()) / 2.0
-    low, high = np.interp([middle - LEAN_REACH, middle + LEAN_REACH], np.maximum.accumulate(profile.y), profile.z)
-    return np.arctan2(low - high, 2.0 * LEAN_REACH)
-
-
 def _advice(profile, raw, corners, settings):
     """What a user should know before a table is built."""
     advice = []
-    if profile.kind == "rail" and abs(lean := _lean(profile)) > LEAN:
+    if profile.kind == "rail" and profile.inclined is None and abs(lean := profile.lean) > LEAN:
         advice.append(
             f"the middle of the head leans by {abs(np.degrees(lean)):.2f} degrees to the "
             f"{'gauge' if lean > 0 else 'field'} side: if it was measured in the track, it has its inclination "
-            "already; build the table with --inclination 0"
+            "already; import it with --inclination included, or build the table with --inclination 0"
+        )
+    if profile.kind == "rail" and (beyond := float(profile.y.max())) < RAIL_REACH:
+        advice.append(
+            f"the head leans so that its highest point lies {beyond * 1e3:.3g} mm from its field side: no rail is "
+            "beyond it, where a wheel may stand that moves far away from its flange"
         )
     wide = float(np.hypot(np.diff(raw.y), np.diff(raw.z)).max())
     if wide > GAP:

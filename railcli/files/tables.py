@@ -23,7 +23,7 @@ from railcli.model.system import needed, table_settings
 
 from . import seal
 from .output import cache_folder, whole_hdf5
-from .profiles import BUNDLED, load_profile, profile_of
+from .profiles import BUNDLED, load_profile, profile_of, settings_on
 from .progress import Progress
 
 HEAD_SIZE = seal.HEAD_SIZE
@@ -383,10 +383,12 @@ def table_for(settings, wheel, rail, quiet=False, announce=None):
 
 def tables_for(scenario, quiet=False, announce=None):
     """Contact tables of a scenario, one for each pairing that `model.system.needed` names; options as `table_for`."""
-    tables = []
+    tables, told = [], set()
     for pairing in needed(scenario):
         wheel, rail = profile_of(scenario, pairing.wheel, "wheel"), profile_of(scenario, pairing.rail, "rail")
         settings = table_settings(scenario, pairing.radius)
+        settings = settings.on(rail) if rail in told else settings_on([rail], settings)
+        told.add(rail)
         if pairing.file is None:
             tables.append(table_for(settings, wheel, rail, quiet, announce))
         else:

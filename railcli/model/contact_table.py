@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class TableSettings:
     Attributes
     ----------
     inclination : float
-        Rail inclination 1:n as n; 0 for an upright rail.
+        Rail inclination 1:n as n, which is given to the rail's profile; 0: the rail stands as in its profile.
     gauge, flange_back, radius : float
         Track gauge (at 14 mm below the top of the inclined rail), distance of the flange backs, wheel radius at the
         tape circle [m].
@@ -85,7 +85,8 @@ class TableSettings:
                 raise InputError(f"contact table: {key}", f"must lie in {low:g} ... {high:g} {unit}, got {value:g}")
         if not (self.inclination == 0 or 5 <= abs(self.inclination) <= 1000):
             raise InputError(
-                "contact table: inclination", f"1:n needs n of 5 ... 1000, or 0 for upright; got {self.inclination:g}"
+                "contact table: inclination",
+                f"1:n needs n of 5 ... 1000, or 0 for a rail as in its profile; got {self.inclination:g}",
             )
         choose(NORMAL_LAWS, "contact table: normal", self.normal)
         if self.patches and self.pressed:
@@ -113,6 +114,10 @@ class TableSettings:
     def positions(self):
         """Number of wheel poses in the grid."""
         return self.y_count * self.roll_count * self.yaw_count
+
+    def on(self, *rails):
+        """These settings for rail profiles; their inclination is 0 where all of them include it already."""
+        return replace(self, inclination=0.0) if all(rail.inclined for rail in rails) else self
 
     def as_dict(self):
         return asdict(self)
@@ -159,8 +164,10 @@ class Mounting:
 def mount(wheel, rail, settings):
     """Place a right-hand wheel and rail profile against each other.
 
-    Gauge is measured between the innermost points of both inclined rails down to 14 mm below their top.
+    Gauge is measured between the innermost points of both inclined rails down to 14 mm below their top. A rail whose
+    profile includes its inclination is not inclined again.
     """
+    settings = settings.on(rail)
     angle = -math.atan(1.0 / settings.inclination) if settings.inclination else 0.0
     inclined = rail.rotated(angle)
     y_gauge, z_top = inclined.gauge_point()

@@ -8,7 +8,7 @@ grows. So a rail's head has positive curvature, the convex parts of a wheel (fla
 
 import hashlib
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ KINDS = ("rail", "wheel")
 TAPE_TO_BACK = 0.070  # from the tape circle to the flange back [m], EN 13715
 FLANGE_THICKNESS_HEIGHT = 0.010  # flange thickness is taken this far below the tape circle [m], EN 13715
 QR_BELOW_TIP = 0.002  # upper point of qR below the flange tip [m], EN 13715
+LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
 STEP = 0.05e-3  # grid of `graph` [m]
 SLOPE_LIMIT = math.tan(math.radians(80.0))
 WINDOW = 1.0e-3  # arc length over which `graph` averages curvature [m]
@@ -53,6 +54,8 @@ class Profile:
         Nodes [m], from the gauge side to the field side.
     angle : array (n,)
         Tangent angles atan2(dz, dy) at the nodes [rad].
+    inclined : bool or None
+        Of a rail: whether it stands in these axes with its inclination (True) or upright (False); None: not known.
 
     Attributes
     ----------
@@ -65,6 +68,7 @@ class Profile:
     y: np.ndarray = field(repr=False)
     z: np.ndarray = field(repr=False)
     angle: np.ndarray = field(repr=False)
+    inclined: bool | None = None
     arc: np.ndarray = field(init=False, repr=False)
     _cubic: np.ndarray = field(init=False, repr=False)
 
@@ -94,7 +98,7 @@ class Profile:
         object.__setattr__(self, key, array)
 
     @classmethod
-    def from_points(cls, name, kind, y, z, angle=None):
+    def from_points(cls, name, kind, y, z, angle=None, inclined=None):
         """Profile through points [m]; without `angle` [rad] the tangents come from the neighbours.
 
         The tangent at a point is that of the circle through it and its two neighbours (at an end: through the last
@@ -104,7 +108,7 @@ class Profile:
         y, z = np.asarray(y, dtype=float), np.asarray(z, dtype=float)
         if angle is None:
             angle = _circle_tangents(name, y, z)
-        return cls(name, kind, y, z, angle)
+        return cls(name, kind, y, z, angle, inclined)
 
     def at(self, sigma):
         """Point of the curve at arc length `sigma` [m]; beyond its ends, the end point.
@@ -129,19 +133,19 @@ class Profile:
         ``rail.rotated(-math.atan(1 / n))``.
         """
         c, s = math.cos(angle), math.sin(angle)
-        return Profile(self.name, self.kind, c * self.y - s * self.z, s * self.y + c * self.z, self.angle + angle)
+        return replace(self, y=c * self.y - s * self.z, z=s * self.y + c * self.z, angle=self.angle + angle)
 
     def translated(self, dy, dz):
         """The profile moved by `dy`, `dz` [m]."""
-        return Profile(self.name, self.kind, self.y + dy, self.z + dz, self.angle)
+        return replace(self, y=self.y + dy, z=self.z + dz)
 
     def mirrored(self):
         """The profile with y reversed (right hand to left hand and back), still walked towards growing y."""
-        return Profile(self.name, self.kind, -self.y[::-1], self.z[::-1], -self.angle[::-1])
+        return replace(self, y=-self.y[::-1], z=self.z[::-1], angle=-self.angle[::-1])
 
     def digest(self):
-        """SHA-256 (hexadecimal) over kind and nodes; the name does not enter."""
-        digest = hashlib.sha256(self.kind.encode())
+        """SHA-256 (hexadecimal) over kind, nodes and whether it is inclined already; the name does not enter."""
+        digest = hashlib.sha256(self.kind.encode() + (b", inclined" if self.inclined else b""))
         for array in (self.y, self.z, self.angle):
             digest.update(array.astype("<f8").tobytes())
         return digest.hexdigest()
@@ -212,6 +216,13 @@ class Profile:
         t_level = float(self._solve(np.array([start]), 1, np.array([z_top + depth]))[0])
         y_inner = self._lowest(0, start, top, t_level, t_top)[2]
         return y_inner, z_top
+
+    @property
+    def lean(self):
+        """Angle of the middle of a rail's head from the horizontal [rad], positive inwards (gauge side down)."""
+        middle = (self.y.min() + self.y.max()) / 2.0
+        low, high = np.interp([middle - LEAN_REACH, middle + LEAN_REACH], np.maximum.accumulate(self.y), self.z)
+        return float(np.arctan2(low - high, 2.0 * LEAN_REACH))
 
     def flange_dimensions(self):
         """Flange height, thickness, qR and the rim's width of a wheel [m]; see `FlangeDimensions`.

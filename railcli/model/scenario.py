@@ -133,7 +133,7 @@ class Contact(Description):
     rail_profile: Place = "UIC60"
     left_wheel_profile: Place | None = None  # as a right-hand profile; None: the right one
     left_rail_profile: Place | None = None
-    inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: upright
+    inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: as in the profile
     gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
@@ -155,7 +155,7 @@ class Contact(Description):
     def _fits_together(self):
         if 0.0 < self.inclination < STEEPEST_INCLINATION:
             raise ValueError(
-                f"inclination means 1 in ...: must be 0 (upright) or >= {STEEPEST_INCLINATION:g}, "
+                f"inclination means 1 in ...: must be 0 (as in the profile) or >= {STEEPEST_INCLINATION:g}, "
                 f"got {self.inclination:g}"
             )
         for key, law in OF_ONE_LAW.items():

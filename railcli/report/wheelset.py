@@ -22,8 +22,8 @@ LINES = ListedColormap(colormaps["cividis"](np.linspace(0.0, 0.8, 256)))
 
 
 def inclination(settings):
-    """`1:20`, or `upright`."""
-    return f"1:{settings.inclination:g}" if settings.inclination else "upright"
+    """`1:20`, or `as in the profile`."""
+    return f"1:{settings.inclination:g}" if settings.inclination else "as in the profile"
 
 
 def title(names, settings, wheelset, with_roll):

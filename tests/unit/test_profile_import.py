@@ -482,3 +482,46 @@ def test_distorted_shapes(tmp_path, kind, swaps, moves, scale):
     path = tmp_path / "shape.txt"
     path.write_text(text(rows * scale))
     survives(path)
+
+
+# Inclination
+
+
+def worn_to_a_lean(slope, at=0.030):
+    """UIC60 worn down to a plane that falls to the gauge side from y = at [m]: points [mm]."""
+    y, z = RAIL.y, np.maximum(RAIL.z, np.interp(at, RAIL.y, RAIL.z) + slope * (at - RAIL.y))
+    return np.column_stack([y, z]) * 1e3
+
+
+@pytest.mark.parametrize("word", ["included", "upright", None])
+def test_word_on_the_inclination_goes_with_the_rail(write, word):
+    inclined = RAIL.rotated(-math.atan(1 / 40))
+    given = write(text(points(inclined)), "rail.csv")
+    found = import_profile(given, ImportSettings(inclination=word))
+    expected = {"included": True, "upright": False, None: None}[word]
+    assert found.profile.inclined is expected
+    canonical = write(canonical_text(found, AUTO), "canonical.csv")
+    assert load_profile(canonical, "rail").inclined is expected
+    assert import_profile(canonical, AUTO).profile.inclined is expected
+    assert any("--inclination included" in advice for advice in found.account["advice"]) == (word is None)
+
+
+def test_word_on_the_inclination_must_be_known(write):
+    path = write("# Inclination: 1:40\n" + text(points(RAIL)), "rail.csv")
+    with pytest.raises(InputError, match=r"line 1: says inclination: '1:40'; allowed: included .* or upright"):
+        load_profile(path, "rail")
+
+
+def test_wheel_has_no_inclination(write):
+    with pytest.raises(InputError, match="--inclination: is for rails"):
+        import_profile(write(text(points(WHEEL))), ImportSettings(inclination="included"))
+
+
+def test_rail_worn_to_a_lean_is_fit_and_its_short_field_side_is_told(write):
+    slope = math.tan(math.radians(8.0))
+    account = import_profile(write(text(worn_to_a_lean(slope))), ImportSettings(kind="rail")).account
+    assert account["unfit"] == []
+    assert account["dimensions"]["lean_degrees"] == pytest.approx(8.0, abs=0.01)
+    assert any("no rail is beyond it" in advice for advice in account["advice"])
+    other_way = import_profile(write(text(worn_to_a_lean(slope) * [-1, 1])), ImportSettings(kind="rail")).account
+    assert len(other_way["unfit"]) == 1

@@ -217,7 +217,7 @@ BAD = [
     (
         "[run]",
         "[contact]\ninclination = 0.05\n[run]",
-        "inclination means 1 in ...: must be 0 (upright) or >= 5, got 0.05",
+        "inclination means 1 in ...: must be 0 (as in the profile) or >= 5, got 0.05",
     ),
     ("[run]", "[contact]\ngauge_mm = 1350\n[run]", "contact: no wheelset fits: flange back 1360 mm, gauge 1350 mm"),
     ("[run]", "[contact]\ngauge_m = 1435\n[run]", "contact.gauge_m: must be <= 2 m, got 1435"),
