@@ -25,6 +25,7 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @setting("--inclination", "20", "N", "Rail inclination 1:N; 0: as in the profile.")
 @setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3)
 @setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3)
+@setting("--tape-to-back", "70", "MM", "Distance of the tape circle from the flange back.", 1e3)
 @setting("--radius", "460", "MM", "Wheel radius at the tape circle.", 1e3)
 @setting("--young", "210", "GPA", "Young's modulus of wheel and rail.", 1e-9)
 @setting("--poisson", "0.28", "NUMBER", "Poisson's ratio of wheel and rail.")

@@ -21,6 +21,7 @@ def wheelset_options(command):
             setting("--inclination", "20", "N", "Rail inclination 1:N; 0: as in the profile."),
             setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3),
             setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3),
+            setting("--tape-to-back", "70", "MM", "Distance of the tape circle from the flange back.", 1e3),
             setting("--radius", "460", "MM", "Wheel radius at the tape circle.", 1e3),
             setting("--left-radius", "as right", "MM", "Radius of the left wheel.", 1e3),
         )

@@ -9,13 +9,23 @@ import numpy as np
 from railcli import __version__
 from railcli.errors import InputError
 from railcli.model.curation import Curation
-from railcli.model.profile import Profile
+from railcli.model.profile import TAPE_TO_BACK, Profile
 from railcli.model.smoothing import change, resample, smooth
 
 from .alignment import Decision, align, find_kind
 from .formats import read_points
 from .output import write_json, write_text
-from .profiles import BUNDLED, LEAN, STANDS, check_angle, check_curve, load_profile, stated_inclination
+from .profiles import (
+    BUNDLED,
+    LEAN,
+    STANDS,
+    check_angle,
+    check_curve,
+    checked_tape,
+    load_profile,
+    stated_inclination,
+    stated_tape,
+)  # fmt: skip
 
 ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
@@ -44,6 +54,8 @@ class ImportSettings:
         Distance of points.
     inclination : "included", "upright" or None
         How a rail stands in the file; None: as the file says, if it does.
+    tape_to_back : float or None
+        Of a wheel; None: as the file says, else 70 mm.
     """
 
     kind: str | None = None
@@ -54,6 +66,7 @@ class ImportSettings:
     smooth: float | None = None
     resample: float | None = None
     inclination: str | None = None
+    tape_to_back: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +111,8 @@ def convert(measured, settings):
     """
     path = measured.path
     kind = find_kind(measured, settings.kind)
-    aligned = align(measured, kind.choice, settings.units, settings.mirror_y, settings.mirror_z)
+    tape = _tape(path, kind.choice, settings)
+    aligned = align(measured, kind.choice, settings.units, settings.mirror_y, settings.mirror_z, tape)
     decisions = [kind, *aligned.decisions]
     y = aligned.y
     if settings.shift_y:
@@ -112,7 +126,7 @@ def convert(measured, settings):
     stands = _stands(path, kind.choice, settings)
     decisions += [stands] if stands else []
     curation = Curation(path, kind.choice, y, aligned.z, aligned.lines).run()
-    raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z)
+    raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z, tape_to_back=tape)
     raw = raw.translated(*_to_origin(path, raw))
     _as_source(measured, raw, curation.lines)
     corners = curation.kinks()
@@ -133,7 +147,7 @@ def convert(measured, settings):
         move = _to_origin(path, profile)
         raw, profile = raw.translated(*move), profile.translated(*move)
         check_curve(path, kind.choice, profile.y * 1e3, profile.z * 1e3, np.arange(profile.y.size))
-    profile = replace(profile, inclined=STANDS[stands.choice] if stands else None)
+    profile = replace(profile, inclined=STANDS[stands.choice] if stands else None, tape_to_back=tape)
     account = {
         "file": str(path),
         "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
@@ -246,15 +260,14 @@ def canonical_text(imported, settings):
     The angles are left out where points are so rough that a reader would doubt them; it finds the same ones.
     """
     account, profile = imported.account, imported.profile
-    origin = (
-        "the highest point of the head" if profile.kind == "rail" else "the tape circle, 70 mm from the flange back"
-    )
+    origin = "the highest point of the head" if profile.kind == "rail" else "the tape circle"
     smoothed = f"cut-off wavelength {settings.smooth * 1e3:g} mm" if settings.smooth else "none"
     head = [
         f"# name: {profile.name}",
         f"# kind: {profile.kind}",
         *(f"# inclination: {word}" for word, inclined in STANDS.items() if profile.inclined is inclined),
         f"# axes: right-hand {profile.kind}, y to the field side, z down, origin at {origin}",
+        *([f"# tape circle: {profile.tape_to_back * 1e3:.9g} mm from the flange back"] if profile.tape_to_back else []),
         f"# source: {Path(account['file']).name}, {account['format']}, SHA-256 {account['sha256']}",
         f"# smoothing: {smoothed}",
         f"# written by railcli {account['railcli']} profile import",
@@ -334,6 +347,21 @@ def _distance(before, after):
     return float(np.abs(across).max()) * 1e3
 
 
+def _tape(path, kind, settings):
+    """Distance of a wheel's tape circle from its flange back [m]: as given, as the file says, else the usual one."""
+    if kind != "wheel":
+        if settings.tape_to_back is not None:
+            raise InputError("--tape-to-back", "is for wheels")
+        return None
+    if settings.tape_to_back is not None:
+        return checked_tape(settings.tape_to_back, "--tape-to-back")
+    return stated_tape(_text(path), path) or TAPE_TO_BACK
+
+
+def _text(path):
+    return path.read_text(encoding="utf-8-sig", errors="replace")
+
+
 def _stands(path, kind, settings):
     """Decision on how a rail stands in its file; None if nobody says."""
     if kind != "rail":
@@ -342,7 +370,7 @@ def _stands(path, kind, settings):
         return None
     if settings.inclination:
         return Decision("inclination", settings.inclination, "given")
-    found = stated_inclination(path.read_text(encoding="utf-8-sig", errors="replace"), path)
+    found = stated_inclination(_text(path), path)
     return Decision("inclination", found, "as the file says") if found else None
 
 

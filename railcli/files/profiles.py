@@ -1,11 +1,12 @@
 """Profiles of rails and wheels: bundled ones by name, others from text files.
 
-A file has two columns, y and z, or three with the tangent angle atan2(dz, dy) in radian; separated by comma, semicolon,
-blanks or tabs. Lines that start with ``#``, ``!`` or ``%`` are comments. One line before the data may name the columns
-(`y_mm` or `y_m`, `z_mm` or `z_m`, `angle_rad`); otherwise y and z are in mm. A comment ``# inclination: included`` or
-``# inclination: upright`` says how a rail stands in the file. Axes as in `railcli.model.profile`: y to
-the field side, z down. Points may run either way along the curve. Nothing is repaired: what does not fit is an error,
-except that a point which repeats the one before it exactly is passed over.
+A file has two columns, y and z, or three with the tangent angle atan2(dz, dy) in radian; separated by comma,
+semicolon, blanks or tabs. Lines that start with ``#``, ``!`` or ``%`` are comments. One line before the data may name
+the columns (`y_mm` or `y_m`, `z_mm` or `z_m`, `angle_rad`); otherwise y and z are in mm. A comment ``# inclination:
+included`` or ``# inclination: upright`` says how a rail stands in the file, ``# tape circle: 73.8 mm from the flange
+back`` from where y of a wheel counts. Axes as in `railcli.model.profile`: y to the field side, z down. Points may run
+either way along the curve. Nothing is repaired: what does not fit is an error, except that a point which repeats the
+one before it exactly is passed over.
 """
 
 import difflib
@@ -21,7 +22,7 @@ from railcli.errors import InputError
 from railcli.files.resources import resource
 from railcli.model.polyline import meeting as _meeting
 from railcli.model.polyline import turns
-from railcli.model.profile import Profile
+from railcli.model.profile import TAPE_LIMITS, Profile
 
 BUNDLED = {
     "UIC60": ("rail", "profiles/UIC60/UIC60.csv"),
@@ -46,6 +47,7 @@ COLUMNS = {"y_mm": ("y", 1.0), "z_mm": ("z", 1.0), "y_m": ("y", 1e3), "z_m": ("z
 WITHOUT_HEADER = ("y_mm", "z_mm", "angle_rad")
 STANDS = {"included": True, "upright": False}  # what a file may say of a rail's inclination
 LEAN = math.radians(0.5)  # of a head, from which it may be inclined already
+_TAPE = re.compile(r"[#!%]\s*tape circle\s*:\s*([0-9.]+)\s*mm from the flange back\s*", re.IGNORECASE)
 _INCLINATION = re.compile(r"[#!%]\s*inclination\s*:\s*(.*?)\s*", re.IGNORECASE)
 
 
@@ -123,6 +125,24 @@ def stated_inclination(text, path):
     return None
 
 
+def stated_tape(text, path):
+    """Distance of a wheel's tape circle from its flange back, as a comment of its file says [m]; None if none does."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if found := _TAPE.fullmatch(line.strip()):
+            return checked_tape(float(found[1]) / 1e3 if _is_number(found[1]) else 0.0, f"{path}, line {number}")
+    return None
+
+
+def checked_tape(tape, place):
+    """A distance of the tape circle from the flange back [m], if it is allowed; else an InputError."""
+    low, high = TAPE_LIMITS
+    if not low <= tape <= high:
+        raise InputError(
+            place, f"tape circle {tape * 1e3:g} mm from the flange back; allowed: {low * 1e3:g} to {high * 1e3:g} mm"
+        )
+    return tape
+
+
 def check_curve(path, kind, y, z, lines, unit_mm=1.0):
     """Raise an InputError unless the points are those of a rail or wheel in the canonical form.
 
@@ -159,7 +179,8 @@ def _read(path, name, kind):
     if angle is not None:
         check_angle(path, y, z, angle, lines)
     inclined = STANDS.get(stated_inclination(text, path)) if kind == "rail" else None
-    return Profile.from_points(name, kind, y / 1e3, z / 1e3, angle, inclined)
+    tape = stated_tape(text, path) if kind == "wheel" else None
+    return Profile.from_points(name, kind, y / 1e3, z / 1e3, angle, inclined, tape)
 
 
 def _text(path, kind):
@@ -355,14 +376,14 @@ def _check_wheel(path, y, z):
         raise InputError(
             path,
             f"the flange tip is at y = {y[tip]:.4g} mm, allowed: {TIP_MM[0]:g} to {TIP_MM[1]:g} mm; "
-            "y must count from the tape circle, 70 mm from the flange back",
+            "y must count from the tape circle, usually 70 mm from the flange back",
         )
     tape = np.interp(0.0, np.maximum.accumulate(y), z)
     if abs(tape) > TAPE_MM:
         raise InputError(
             path,
             f"z at the tape circle (y = 0) is {tape:.4g} mm, allowed: {-TAPE_MM:g} to {TAPE_MM:g} mm; "
-            f"shift z so that it is 0 there, and y if 0 is not 70 mm from the flange back",
+            f"shift z so that it is 0 there, and y if 0 is not where the tape circle is",
         )
 
 

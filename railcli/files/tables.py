@@ -18,7 +18,7 @@ from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
 from railcli.kernels.layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Press
-from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
+from railcli.model.contact_table import VERSION, ContactTable, TableSettings, check_tape, table_key
 from railcli.model.system import needed, table_settings
 
 from . import seal
@@ -46,6 +46,7 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "inclination": ("--inclination", "", 1.0),
     "gauge": ("--gauge", "mm", 1e3),
     "flange_back": ("--flange-back", "mm", 1e3),
+    "tape_to_back": ("--tape-to-back", "mm", 1e3),
     "radius": ("--radius", "mm", 1e3),
     "y_range": ("--y-range", "mm", 1e3),
     "y_step": ("--y-step", "mm", 1e3),
@@ -59,7 +60,9 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "pressed": ("--pressed", "mm", 1e3),
     "normal": ("--normal", "", None),
 }
-OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson", "pressed", "normal")
+OF_A_SCENARIO = (
+    "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "pressed", "normal"
+)  # fmt: skip
 
 
 def in_units(key, value):
@@ -387,6 +390,7 @@ def tables_for(scenario, quiet=False, announce=None):
     for pairing in needed(scenario):
         wheel, rail = profile_of(scenario, pairing.wheel, "wheel"), profile_of(scenario, pairing.rail, "rail")
         settings = table_settings(scenario, pairing.radius)
+        check_tape(wheel, settings.tape_to_back)
         settings = settings.on(rail) if rail in told else settings_on([rail], settings)
         told.add(rail)
         if pairing.file is None:

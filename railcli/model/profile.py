@@ -1,9 +1,10 @@
 """The cross-section of a rail or wheel as one smooth plane curve.
 
 Axes: right-hand rail and wheel in track axes, y to the field side, z down [m]. A rail's origin is the crown of its
-symmetric, uninclined head; a wheel's origin lies on the tape circle, 70 mm from the flange back. The curve is walked
-from the gauge side to the field side; its tangent angle is atan2(dz, dy), and positive curvature means that this angle
-grows. So a rail's head has positive curvature, the convex parts of a wheel (flange tip) negative, its root positive.
+symmetric, uninclined head; a wheel's origin lies on the tape circle, usually 70 mm from the flange back. The curve is
+walked from the gauge side to the field side; its tangent angle is atan2(dz, dy), and positive curvature means that this
+angle grows. So a rail's head has positive curvature, the convex parts of a wheel (flange tip) negative, its root
+positive.
 """
 
 import hashlib
@@ -16,7 +17,8 @@ import numpy as np
 from railcli.errors import InputError
 
 KINDS = ("rail", "wheel")
-TAPE_TO_BACK = 0.070  # from the tape circle to the flange back [m], EN 13715
+TAPE_TO_BACK = 0.070  # from the tape circle to the flange back unless another is said [m], EN 13715
+TAPE_LIMITS = 0.055, 0.085  # of that distance [m]
 FLANGE_THICKNESS_HEIGHT = 0.010  # flange thickness is taken this far below the tape circle [m], EN 13715
 QR_BELOW_TIP = 0.002  # upper point of qR below the flange tip [m], EN 13715
 LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
@@ -56,6 +58,8 @@ class Profile:
         Tangent angles atan2(dz, dy) at the nodes [rad].
     inclined : bool or None
         Of a rail: whether it stands in these axes with its inclination (True) or upright (False); None: not known.
+    tape_to_back : float or None
+        Of a wheel: from its tape circle, the origin, to its flange back [m]; None: not known.
 
     Attributes
     ----------
@@ -69,6 +73,7 @@ class Profile:
     z: np.ndarray = field(repr=False)
     angle: np.ndarray = field(repr=False)
     inclined: bool | None = None
+    tape_to_back: float | None = None
     arc: np.ndarray = field(init=False, repr=False)
     _cubic: np.ndarray = field(init=False, repr=False)
 
@@ -98,7 +103,7 @@ class Profile:
         object.__setattr__(self, key, array)
 
     @classmethod
-    def from_points(cls, name, kind, y, z, angle=None, inclined=None):
+    def from_points(cls, name, kind, y, z, angle=None, inclined=None, tape_to_back=None):
         """Profile through points [m]; without `angle` [rad] the tangents come from the neighbours.
 
         The tangent at a point is that of the circle through it and its two neighbours (at an end: through the last
@@ -108,7 +113,7 @@ class Profile:
         y, z = np.asarray(y, dtype=float), np.asarray(z, dtype=float)
         if angle is None:
             angle = _circle_tangents(name, y, z)
-        return cls(name, kind, y, z, angle, inclined)
+        return cls(name, kind, y, z, angle, inclined, tape_to_back)
 
     def at(self, sigma):
         """Point of the curve at arc length `sigma` [m]; beyond its ends, the end point.
@@ -227,10 +232,11 @@ class Profile:
     def flange_dimensions(self):
         """Flange height, thickness, qR and the rim's width of a wheel [m]; see `FlangeDimensions`.
 
-        The height is that of the flange tip over the tape circle; the thickness runs from the flange back, 70 mm from
-        the tape circle, to the flank 10 mm below the tape circle; qR is the lateral distance from there to the point of
-        the flank 2 mm below the flange tip; the width is the extent of the profile.
+        The height is that of the flange tip over the tape circle; the thickness runs from the flange back (70 mm from
+        the tape circle if the profile does not know) to the flank 10 mm below the tape circle; qR is the lateral
+        distance from there to the point of the flank 2 mm below the flange tip; the width is the extent of the profile.
         """
+        back = TAPE_TO_BACK if self.tape_to_back is None else self.tape_to_back
         tape = self._crossing(0, 0.0, np.arange(self.y.size - 1))
         if tape is None or self.kind != "wheel":
             raise InputError(self.name, "flange dimensions need a wheel whose profile passes the tape circle, y = 0")
@@ -244,7 +250,7 @@ class Profile:
             raise InputError(self.name, f"the flange is only {height * 1e3:.1f} mm high: too low for its dimensions")
         y_lower, y_upper = self._evaluate(*lower)[0][0], self._evaluate(*upper)[0][0]
         width = self.y.max() - self.y.min()
-        return FlangeDimensions(float(height), float(TAPE_TO_BACK + y_lower), float(y_lower - y_upper), float(width))
+        return FlangeDimensions(float(height), float(back + y_lower), float(y_lower - y_upper), float(width))
 
     # Segments: arrays of indices `segment` with parameters t in 0..1
 

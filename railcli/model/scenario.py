@@ -14,7 +14,7 @@ from railcli.kernels.layout import CURVE_KNOTS
 from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
 from .irregularity import Source
 from .limits import Limits
-from .profile import TAPE_TO_BACK
+from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .rails import course
 from .sections import Gradient
 from .submodels import CREEP_LAWS, NORMAL_LAWS
@@ -136,6 +136,9 @@ class Contact(Description):
     inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: as in the profile
     gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
+    tape_to_back: Annotated[Real, Field(ge=TAPE_LIMITS[0], le=TAPE_LIMITS[1])] = Field(
+        TAPE_TO_BACK, alias="tape_to_back_m"
+    )
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
     creep_law: one_of(CREEP_LAWS) = "table"
     friction_ratio: Annotated[Positive, Field(le=1.0)] = 1.0  # at infinite over that at zero slip velocity
@@ -188,7 +191,7 @@ class Contact(Description):
     @property
     def tape_circle(self):
         """Distance of the tape circles from the middle of the wheelset [m]."""
-        return self.flange_back / 2.0 + TAPE_TO_BACK
+        return self.flange_back / 2.0 + self.tape_to_back
 
 
 class Start(Description):

@@ -116,6 +116,7 @@ def table_settings(scenario, radius):
         inclination=contact.inclination,
         gauge=contact.gauge,
         flange_back=contact.flange_back,
+        tape_to_back=contact.tape_to_back,
         radius=radius,
         young=contact.young,
         poisson=contact.poisson,
