@@ -220,6 +220,12 @@ CONE_ROLL = 1e-8  # [rad] loads that differ by 1e-3 press in by 5e-9 m more or l
 PRESSED_IN = 3e-5  # [m] what 10 kN press a wheel of 0.46 m into a head of 0.3 m: 1.9e-5
 GRID_ROUNDING = 1e-12  # [m] a whole number of steps
 STRAIGHT_ON = 0.02  # gravity on a round rail pushes back a little
+FREE_STRAIGHT_ON = 0.06  # weight on round rails and spin moments, of 1 N m, turn and move what nothing else holds
+FREE_SPIN = 3e-6  # relative; the wheels still yaw a little on their bearings
+FREE_LOAD = 1e-3  # relative; the Newton search leaves wheel loads apart by as much
+FREE_SHARE = 0.02  # of the friction limit; what turns the wheels along as the wagon still sways
+FREE_PATH = 1e-4  # relative; the same, and the wheels' own yaw on their bearings
+FREE_COUPLE = 1e-2  # of the longitudinal force of a wheelset in the same place
 
 # --- Non-Hertzian patches ---
 ELLIPTIC = 1e-12  # arithmetic-geometric mean, quadratic convergence

@@ -252,7 +252,7 @@ class Scenario(Description):
             )
         gradient_course(self.track, self.gradients)
         right, left = self.contact.sides
-        radii = [self.vehicle.bodies[i].wheel_radii for i in self.vehicle.wheelsets]
+        radii = self.vehicle.wheel_radii
         if right[2] and right[2] == left[2] and (right != left or any(one != other for one, other in radii)):
             raise ValueError("contact.table: is for one side, and the sides differ; give contact.left_table as well")
         for section in self.track.sections:
