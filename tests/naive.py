@@ -453,7 +453,7 @@ def difference_minima(wheel, rail, settings, pose, near=0.5e-3):
     wheel_s, wheel_z, angle, _ = wheel.at(np.linspace(0.0, wheel.arc[-1], 60001))
     good = np.abs(angle) < np.radians(80.0)
     wheel_s, wheel_z = wheel_s[good], wheel_z[good]
-    lateral = settings.flange_back / 2.0 + 0.070
+    lateral = settings.flange_back / 2.0 + settings.tape_to_back
     foot = np.array([0.0, lateral + y, 0.0])
     centre = foot - settings.radius * down
 

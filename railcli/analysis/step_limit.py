@@ -74,8 +74,9 @@ def step_limit(system, speeds=()):
     system = stiffest(system)
     limit = StepLimit(CEILING, "nothing in the model")
     motions = [OneStep(system, speed) for speed in dict.fromkeys(speeds or (system.speed,))]
-    for k in range(len(system.wheelsets)):
-        limit = aside(motions[-1], k, limit)
+    for k, (right, left) in enumerate(system.model.wheel["body"].reshape(-1, 2)):
+        if right == left:
+            limit = aside(motions[-1], k, limit)
     for motion in motions:
         limit = motion.limit(limit)
     return limit

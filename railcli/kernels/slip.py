@@ -23,13 +23,14 @@ def slip(model, data, step):
     step : time since data.lag was remembered [s]; 0 for creep forces that are settled. Fills data.rail_load and
         data.creep_damping on the way.
     """
-    for w in range(0, model.wheel.size, 2):
-        slip_wheelset(model, data, w, step)
+    for w in range(model.wheel.size):
+        if w == 0 or model.wheel[w]["body"] != model.wheel[w - 1]["body"]:
+            slip_wheelset(model, data, w, step)
 
 
 @kernel
 def slip_wheelset(model, data, first, step):
-    """`slip` of the wheelset whose wheels are first and first + 1 (or first alone, without another), at data.v.
+    """`slip` of the body whose wheels are first and first + 1 (or first alone, without another), at data.v.
 
     The rail is at rest. Its direction at the contact differs from that of the track frame by its own slopes and bend,
     and by the frame's rotation and motion per metre: by curvature ahead of the axle, and on a cant ramp by the slope of
@@ -46,7 +47,7 @@ def slip_wheelset(model, data, first, step):
     for w in range(first, min(first + 2, model.wheel.size)):
         wheel, rail = model.wheel[w], data.rail[w]
         patches = int(rail["patches"])
-        if patches == 0:
+        if patches == 0 or wheel["body"] != i:
             continue
         frame = data.frame[i]
         sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]

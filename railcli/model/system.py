@@ -55,7 +55,8 @@ class System:
         data = new_data(self.model, q, self.damper.size)
         data.damper[:] = self.damper
         data.v[:, 0] = self.speed
-        data.v[self.model.wheel["body"][::2], 4] = -self.speed / self.mean_radii
+        spins = self.model.body["spins"] == 1
+        data.v[spins, 4] = -self.speed / self.radii[spins]
         return data
 
     def stepped(self, step):
@@ -77,9 +78,12 @@ class System:
         return replace(self, model=freeze(model), speed=float(speeds[0]))
 
     @property
-    def mean_radii(self):
-        """Mean radius of the two tape circles of each wheelset [m]."""
-        return self.model.wheel["radius"].reshape(-1, 2).mean(axis=1)
+    def radii(self):
+        """Mean radius of the tape circles of each body [m]; NaN without wheels."""
+        found = np.full(self.model.body.size, np.nan)
+        for i in set(self.model.wheel["body"].tolist()):
+            found[i] = self.model.wheel["radius"][self.model.wheel["body"] == i].mean()
+        return found
 
 
 class Pairing(NamedTuple):
@@ -94,7 +98,7 @@ class Pairing(NamedTuple):
 def pairings(scenario):
     """The Pairing of every wheel, in the order of the core: right and left wheel of each wheelset."""
     sides = scenario.contact.sides
-    radii = (scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets)
+    radii = scenario.vehicle.wheel_radii
     return [Pairing(*side, radius) for pair in radii for side, radius in zip(sides, pair, strict=True)]
 
 
@@ -116,6 +120,7 @@ def table_settings(scenario, radius):
         inclination=contact.inclination,
         gauge=contact.gauge,
         flange_back=contact.flange_back,
+        tape_to_back=contact.tape_to_back,
         radius=radius,
         young=contact.young,
         poisson=contact.poisson,
