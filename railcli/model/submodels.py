@@ -46,6 +46,11 @@ CREEP_LAWS = {
         "the simplified theory from a table; recommended",
         "as fastsim, extrapolated to elements of no length",
     ),
+    "fastrip": Choice(
+        Creep.FASTRIP,
+        "strip theory in adhesion, simplified theory in slip, from a table; nearest to the full solution",
+        "after Sichani, Enblom and Berg (2016), International Journal of Rail Transportation 4, 106-118; theory.md 7.7",
+    ),
 }
 
 NORMAL_LAWS = {  # value: whether the contact table holds patches
