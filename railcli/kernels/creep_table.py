@@ -1,4 +1,4 @@
-"""A creep law as a table that covers every ellipse and every creepage; theory.md sections 7.6 and 7.7.
+"""A creep law as a table that covers every ellipse and every creepage; theory.md sections 7.6 and 7.10.
 
 With h = sqrt(ux^2 + uy^2), w = sqrt(wa^2 + wb^2), s = h + w (fastsim.py) the axes of the table are
 

@@ -1,4 +1,4 @@
-"""Strip theory where the patch sticks, simplified theory where it slips (FaStrip); theory.md section 7.7.
+"""Strip theory where the patch sticks, simplified theory where it slips (FaStrip); theory.md section 7.10.
 
 Coordinates, scaled creepages and signs are those of `fastsim`: the ellipse is the unit circle. Tractions here are over
 mu times the greatest pressure, so that the bound is sqrt(1 - x^2 - y^2). A strip y = const of half length c has, at its
@@ -9,8 +9,10 @@ leading end, an area of adhesion 2 D - c < x < c with the traction of the plane 
 k D = X, l D = Y, with X, Y the scaled creepages and S that of spin. The bound at its end, k^2 + (l + S)^2 = 1, gives D.
 Behind it, and where there is no such area, an element takes the bound with the traction opposite to its own slip.
 
-The idea is that of Sichani, Enblom and Berg (2016), International Journal of Rail Transportation 4, 106-118, after
-Kalker (1967), Proceedings KNAW B 70, 10-62; derivation, slip of its own direction and the strips of large spin are ours.
+The idea is that of Sichani, Enblom and Berg (2016), Vehicle System Dynamics 54, 748-764, after Kalker (1967),
+Proceedings KNAW B 70, 10-62; the slip in its own direction and the strips of large spin are ours. Range: steady rolling
+of an ellipse of Hertz, like materials of steel's Poisson ratio, one coefficient of friction in the patch; any creepage
+and spin. Known limit: strips do not feel each other, which shows most under spin on long ellipses.
 """
 
 import math

@@ -49,7 +49,7 @@ CREEP_LAWS = {
     "fastrip": Choice(
         Creep.FASTRIP,
         "strip theory in adhesion, simplified theory in slip, from a table; nearest to the full solution",
-        "after Sichani, Enblom and Berg (2016), International Journal of Rail Transportation 4, 106-118; theory.md 7.7",
+        "after Sichani, Enblom and Berg (2016), Vehicle System Dynamics 54, 748-764; theory.md 7.10",
     ),
 }
 
@@ -63,6 +63,7 @@ NORMAL_LAWS = {  # value: whether the contact table holds patches
         "Kik and Piotrowski (2008), Vehicle System Dynamics 46, 27-48; corrected to be Hertz's for constant curvature",
     ),
 }
+
 
 class Shape(NamedTuple):
     """Rise from 0 to 1 over 0 to 1, cubic by cubic."""
