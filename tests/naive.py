@@ -435,6 +435,7 @@ def leaf_spring(way, upper, lower, decay):
         sign = 1.0 if to > place else -1.0
         knots = [knot for knot in x if min(place, to) < knot < max(place, to)]
         for stop in [*sorted(knots, reverse=sign < 0), to]:
+
             def slope(at, f, x=x, y=y, sign=sign):
                 return sign * (np.interp(at, x, y) - f) / decay
 
