@@ -10,7 +10,7 @@ shrinks as 1 / sqrt(s). Mirror images give the rest: ux and spin are taken posit
     F = F0 / (1 + s / BENT) + (1 - 1 / sqrt(1 + s)) H,
 
 with F0 the linear force: the first part alone is Kalker's for small creepages, and opposes a large slip without spin
-with the full friction.
+with the full friction. For FaStrip's moments the first factor is squared, so that in full slip none of F0 is left.
 """
 
 import math
@@ -30,7 +30,7 @@ STRIPS, ELEMENTS = 16, 24  # of a FaStrip solution
 NOTHING, ENDLESS = 1e-100, 1e6  # s below which all is linear; s at the far end of the first axis
 SLENDER = 1e-6  # a / b and b / a at the ends of the last axis
 LINEAR = (16.0 / (3.0 * math.pi), 0.5)  # px by ux and py by uy, py by wa
-LEVERS = (16.0 / (15.0 * math.pi), 0.5)  # FASTSIM's y px by wb, x py by uy
+LEVERS = (16.0 / (15.0 * math.pi), 0.5, 0.0)  # FASTSIM's y px by wb, x py by uy; 1 if they fade as the square
 
 
 @kernel
@@ -60,7 +60,7 @@ def tabulate(law):
         long = min(max(k / (SHAPES - 1.0), SLENDER), 1.0 - SLENDER)
         narrow = (1.0 - long) / long
         shape = fastrip.proportions(narrow)
-        levers = (shape[2], shape[3]) if law == Creep.FASTRIP else LEVERS
+        levers = (shape[2], shape[3], shape[4]) if law == Creep.FASTRIP else LEVERS
         for j in range(WAYS):
             across = 2.0 * j / (WAYS - 1.0) - 1.0
             along = 1.0 - abs(across)
@@ -76,7 +76,10 @@ def tabulate(law):
                     linear = linear_integrals(ux, uy, wa, narrow * wa, levers)
                     for c in range(CHANNELS):
                         row = ((k * WAYS + j) * SPINS + i) * SIZES + m
-                        table[row, c] = (found[c] - linear[c] * BENT / (s + BENT)) / part
+                        grow = BENT / (s + BENT)
+                        if c > 1:
+                            grow *= 1.0 + levers[2] * (grow - 1.0)
+                        table[row, c] = (found[c] - linear[c] * grow) / part
     return table
 
 
@@ -132,10 +135,14 @@ def integrals(table, ux, uy, wa, narrow, levers):
     mx = channel(table, base, next_way, next_shape, tm, ti, tj, tk, 2)
     my = channel(table, base, next_way, next_shape, tm, ti, tj, tk, 3)
     scales = (part, part_s, grow, grow_s, h_u, h_v, tilt, spin_h, spin_w, way_u, way_v)
+    slow = 1.0 + levers[2] * (grow - 1.0)
+    moments = (
+        part, part_s, grow * slow, grow_s * (slow + levers[2] * grow), h_u, h_v, tilt, spin_h, spin_w, way_u, way_v,
+    )  # fmt: skip
     fx0, fxu, fxv, fxw = assembled(fx, linear[0], -LINEAR[0], 0.0, 0.0, scales)
     fy0, fyu, fyv, fyw = assembled(fy, linear[1], 0.0, -LINEAR[0], -LINEAR[1], scales)
-    mx0, mxu, mxv, mxw = assembled(mx, linear[2], 0.0, 0.0, narrow * levers[0], scales)
-    my0, myu, myv, myw = assembled(my, linear[3], 0.0, levers[1], 0.0, scales)
+    mx0, mxu, mxv, mxw = assembled(mx, linear[2], 0.0, 0.0, narrow * levers[0], moments)
+    my0, myu, myv, myw = assembled(my, linear[3], 0.0, levers[1], 0.0, moments)
     mirrored = -1.0 if ux < 0.0 else 1.0
     return (
         mirrored * fx0, turned * fy0, turned * mx0, turned * my0,

@@ -31,8 +31,11 @@ STUCK = 1e-12  # D below which a strip adheres throughout
 
 @kernel
 def levers(a, b, f22, f23, f33):
-    """Kalker's linear spin moment: integral of y px over wb, and of x py over uy [-]."""
-    return f33 * a / (2.0 * b * b * f23), 16.0 * f23 / (3.0 * math.pi * a * f22)
+    """Kalker's linear spin moment: integral of y px over wb, and of x py over uy; 1, for it fades fast [-].
+
+    As `creep_table.integrals` takes them. In full slip nothing of the linear moment may be left, whatever the ellipse.
+    """
+    return f33 * a / (2.0 * b * b * f23), 16.0 * f23 / (3.0 * math.pi * a * f22), 1.0
 
 
 @kernel
@@ -43,12 +46,12 @@ def proportions(narrow):
     -------
     soft, turn : float
         Flexibility along the rail, and that of spin, over that across.
-    lever_x, lever_y : float
-        As `levers`.
+    lever_x, lever_y, fading : float
+        `levers`.
     """
     f11, f22, f23, f33 = stiffness(1.0, narrow, 1.0, POISSON)
-    lever_x, lever_y = levers(1.0, narrow, f22, f23, f33)
-    return f22 / f11, 3.0 * math.pi / 32.0 * f22 / f23, lever_x, lever_y
+    lever_x, lever_y, fading = levers(1.0, narrow, f22, f23, f33)
+    return f22 / f11, 3.0 * math.pi / 32.0 * f22 / f23, lever_x, lever_y, fading
 
 
 @kernel
@@ -118,7 +121,7 @@ def rolling(ux, uy, wa, narrow, shape, strips, elements):
     ----------
     ux, uy, wa, narrow : float
         As `fastsim.rolling`.
-    shape : tuple of 4 float
+    shape : tuple of 5 float
         `proportions` of narrow.
     strips, elements : int
         Strips across, at equal angles of the circle; elements of each.
@@ -128,7 +131,7 @@ def rolling(ux, uy, wa, narrow, shape, strips, elements):
     fx, fy, mx, my : float
         As the first four of `fastsim.rolling`.
     """
-    soft, turn, lever_x, lever_y = shape
+    soft, turn, lever_x, lever_y, _ = shape
     fx, fy, mx, my = 0.0, 0.0, 0.0, 0.0
     wb, s = narrow * wa, -PER_SPIN * wa
     twist = 0.75 * math.pi * lever_x * wb  # with which the strips' moment of spin is Kalker's
