@@ -170,6 +170,8 @@ def test_force_without_slip_is_the_linear_one(law, ellipse):
     if law == Creep.POLACH:
         wanted[0, 0], wanted[1, 1], wanted[1, 2] = -math.sqrt(f11 * f22), -math.sqrt(f11 * f22), 0.0
     assert_allclose(tangent[:2] * units(ellipse), wanted * units(ellipse), atol=tol.CREEP_LINEAR * LIMIT)
+    if law == Creep.FASTRIP:
+        assert_allclose(tangent[2], (0.0, f23, -f33), rtol=tol.CREEP_SCALED)
 
 
 @SHAPES
@@ -181,6 +183,10 @@ def test_full_slip_without_spin(law, ellipse):
         assert_allclose(np.hypot(*force[:2]), LIMIT, rtol=tol.CREEP_BOUND)
         if law == Creep.POLACH:
             assert_allclose(force[:2], -LIMIT * np.array([math.cos(way), math.sin(way)]), atol=tol.CREEP_BOUND * LIMIT)
+        if law == Creep.FASTRIP:
+            assert_allclose(
+                force[:2], -LIMIT * np.array([math.cos(way), math.sin(way)]), atol=tol.STRIPS_OPPOSED * LIMIT
+            )
         assert abs(force[2]) < tol.CREEP_MOMENT_LEFT * LIMIT * max(ellipse)
 
 
