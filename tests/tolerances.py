@@ -32,6 +32,17 @@ CREEP_AGAINST_CONTACT = {
 }
 CREEP_SIZE_SMOOTH = 0.04  # Shen's cubic against the full solution; measured 0.036 at a : b = 1 : 2
 
+# FaStrip, point by point and from its table, against CONTACT: the worse of both and a tenth.
+STRIPS_AGAINST_CONTACT = {
+    "no spin": (0.0043, 0.021, 0.0058),
+    "light spin": (0.0063, 0.045, 0.0069),
+    "medium spin": (0.0090, 0.077, 0.0089),
+    "heavy spin": (0.0166, 0.074, 0.0134),
+}
+STRIPS_MEAN, STRIPS_LARGEST = 0.024, 0.12  # of the limit, 20 states of an ellipse; measured 0.022 at a : b of 5
+STRIPS_OPPOSED = 0.031  # of the limit, full slip: the direction between tabulated ellipses; 0.028 at a : b of 18
+FULL_SOLUTION = 0.05  # of the limit: 26 x 20 elements against 61 x 61; measured 0.043, 0.010 in the mean
+
 CREEP_TWIN = 1e-10  # sums over 500 elements, differences of nearly equal terms of Polach's K_M
 CREEP_TABLE_MEAN, CREEP_TABLE_MAX = 0.015, 0.06  # of the limit, spin beyond that of a flange; measured 0.010, 0.045
 CREEP_BOUND = 5e-3  # of the limit: FASTSIM sums a pressure over 10 strips; measured 1.5e-3

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
+from railcli.kernels.creep_table import CHANNELS, tabulate
 from railcli.kernels.layout import CURVE, PARAM, Creep, Model, freeze, new_data
 
 from . import rails as rails_model
@@ -177,7 +177,8 @@ def parameters(scenario):
 @cache
 def creep_table(law):
     """What a creep law needs beside the contact tables; the same for all ellipses, materials and friction."""
-    return tabulate(GRID) if CREEP_LAWS[law].value == Creep.TABLE else np.zeros((0, CHANNELS))
+    value = CREEP_LAWS[law].value
+    return tabulate(int(value)) if value in (Creep.TABLE, Creep.FASTRIP) else np.zeros((0, CHANNELS))
 
 
 def assemble(scenario, tables):
