@@ -164,7 +164,7 @@ def wheel():
 
 
 RAIL_AXES = "right-hand rail, y to the field side, z down, origin at the crown of the symmetric, uninclined head"
-WHEEL_AXES = "right-hand wheel, y to the field side, z down, origin on the tape circle (70 mm from the flange back)"
+WHEEL_AXES = "right-hand wheel, y to the field side, z down, origin on the tape circle"
 FILES = {
     "UIC60/UIC60.csv": ("UIC60", "rail", RAIL_AXES, "UIC 60, older drawing: R300 width 21 mm, R80 width 52 mm",
                         lambda: rail_head(21.0, 52.0)),
@@ -176,7 +176,8 @@ FILES = {
 
 def text(name, kind, axes, source, points):
     """Content of one profile file."""
-    lines = [f"# name: {name}", f"# kind: {kind}", f"# axes: {axes}", f"# source: {source}; see SOURCE.md"]
+    word = {"rail": "inclination: upright", "wheel": "tape circle: 70 mm from the flange back"}[kind]
+    lines = [f"# name: {name}", f"# kind: {kind}", f"# {word}", f"# axes: {axes}", f"# source: {source}; see SOURCE.md"]
     lines.append("y_mm,z_mm,angle_rad")
     lines.extend(f"{round(y, 9) + 0.0:.9f},{round(z, 9) + 0.0:.9f},{a:.12f}" for y, z, a in points)
     return "\n".join(lines) + "\n"

@@ -75,11 +75,14 @@ def kalker_asymptotes(a_over_b, poisson):
     ]
 
 
-def linear_rolling(a_over_b, poisson, across_x, across_y):
-    """C11, C22, C23, C33 by boundary elements: the linear theory of rolling itself, without slip.
+def rolling_elements(a_over_b, poisson, across_x, across_y):
+    """Half-spaces in steady rolling by boundary elements; the ellipse has the area pi.
 
     The ellipse is cut into across_x by across_y rectangles of constant traction on two elastic half-spaces. A particle
     that travels backwards by one element meets u(x) - u(x + dx) = creepage dx, with no traction ahead of the ellipse.
+
+    Returns middles x, y (n,), area of an element, slip of all elements over their tractions (2n, 2n) and over the three
+    creepages (2n, 3), for a shear modulus of 1.
     """
     a, b = np.sqrt(a_over_b), 1 / np.sqrt(a_over_b)
     dx, dy = 2 * a / across_x, 2 * b / across_y
@@ -101,9 +104,53 @@ def linear_rolling(a_over_b, poisson, across_x, across_y):
     cerruti = np.block([[xx + (1 - poisson) * yy, poisson * xy], [poisson * xy, (1 - poisson) * xx + yy]]) / np.pi
     none, one = np.zeros_like(x), np.ones_like(x)
     creepage = dx * np.column_stack([np.r_[one, none], np.r_[none, one], np.r_[-y, x + dx / 2]])
-    px, py = np.split(np.linalg.solve(cerruti, creepage) * dx * dy, 2)
+    return x, y, dx * dy, cerruti, creepage
+
+
+def linear_rolling(a_over_b, poisson, across_x, across_y):
+    """C11, C22, C23, C33 by boundary elements: the linear theory of rolling itself, without slip."""
+    x, y, area, cerruti, creepage = rolling_elements(a_over_b, poisson, across_x, across_y)
+    px, py = np.split(np.linalg.solve(cerruti, creepage) * area, 2)
     fx, fy, mz = px.sum(0), py.sum(0), (x[:, None] * py - y[:, None] * px).sum(0)
     return [fx[0], fy[1], (fy[2] - mz[1]) / 2, mz[2]]
+
+
+def rolling_with_slip(elements, a_over_b, creepage):
+    """Tx, Ty, Mz on the wheel of `rolling_elements` under Hertz's pressure, mu N = 1: the full solution.
+
+    Newton's method on all tractions at once. An element that adheres has no slip; one that slips has the bound, and a
+    slip without part across its traction. One that pulls beyond the bound begins to slip; one whose slip goes along
+    with its traction stops.
+    """
+    x, y, area, cerruti, over_creepage = elements
+    n, rigid = x.size, over_creepage @ creepage
+    bound = np.sqrt(np.maximum(1 - x**2 / a_over_b - y**2 * a_over_b, 1e-3))
+    bound /= bound.sum() * area
+    p, slips = np.linalg.solve(cerruti, -rigid), np.zeros(n, bool)
+    for _ in range(50):
+        size = np.hypot(*p.reshape(2, n))
+        along = (p * (cerruti @ p + rigid)).reshape(2, n).sum(0)
+        before, slips = slips, np.where(slips, along <= 0, size > bound * (1 + 1e-9))
+        cut = np.where(slips | (size > bound), bound / size, 1.0)
+        px, py = p.reshape(2, n) * cut
+        p = np.r_[px, py]
+        sx, sy = (cerruti @ p + rigid).reshape(2, n)
+        across = (sx * py - sy * px) / bound
+        off = np.where(slips, np.abs(across), np.hypot(sx, sy)).max()
+        if (slips == before).all() and off < 1e-5 * np.abs(rigid).max():
+            return np.array([px.sum(), py.sum(), (x * py - y * px).sum()]) * area
+        matrix, right = cerruti.copy(), -np.r_[sx, sy]
+        k = np.flatnonzero(slips)
+        matrix[k] = (cerruti[k] * py[k, None] - cerruti[n + k] * px[k, None]) / bound[k, None]
+        matrix[k, n + k] += sx[k] / bound[k]
+        matrix[k, k] -= sy[k] / bound[k]
+        matrix[n + k] = 0.0
+        matrix[n + k, k], matrix[n + k, n + k] = px[k] / bound[k], py[k] / bound[k]
+        right[k], right[n + k] = -across[k], 0.0
+        change = np.linalg.solve(matrix, right)
+        turn = np.hypot(*change.reshape(2, n)) / bound
+        p = p + change * np.tile(np.where(slips, np.minimum(1.0, 0.8 / np.maximum(turn, 1e-12)), 1.0), 2)
+    raise ArithmeticError(f"no full solution for {creepage}")
 
 
 def creep_forces(smooth, linear, limit, creepage):
@@ -388,6 +435,7 @@ def leaf_spring(way, upper, lower, decay):
         sign = 1.0 if to > place else -1.0
         knots = [knot for knot in x if min(place, to) < knot < max(place, to)]
         for stop in [*sorted(knots, reverse=sign < 0), to]:
+
             def slope(at, f, x=x, y=y, sign=sign):
                 return sign * (np.interp(at, x, y) - f) / decay
 
@@ -453,7 +501,7 @@ def difference_minima(wheel, rail, settings, pose, near=0.5e-3):
     wheel_s, wheel_z, angle, _ = wheel.at(np.linspace(0.0, wheel.arc[-1], 60001))
     good = np.abs(angle) < np.radians(80.0)
     wheel_s, wheel_z = wheel_s[good], wheel_z[good]
-    lateral = settings.flange_back / 2.0 + 0.070
+    lateral = settings.flange_back / 2.0 + settings.tape_to_back
     foot = np.array([0.0, lateral + y, 0.0])
     centre = foot - settings.radius * down
 

@@ -191,14 +191,18 @@ def cone_table(angle, **values):
 
 def lone_wheelset(table, speed, step=0.5e-3, mass=2000.0, inertia=(1000.0, 100.0, 1000.0), track=None, **contact):
     """One wheelset on its own two wheels."""
-    settings = table.settings
-    body = Body(name="wheelset", mass=mass, inertia=inertia, x=0.0, wheel_radius=settings.radius)
+    body = Body(name="wheelset", mass=mass, inertia=inertia, x=0.0, wheel_radius=table.settings.radius)
+    return alone(table, Vehicle(name="lone wheelset", bodies=(body,)), speed, step, track, **contact)
+
+
+def alone(table, vehicle, speed, step, track=None, **contact):
+    """A vehicle on straight track, or another."""
     scenario = Scenario(
         name="lone wheelset",
-        vehicle=Vehicle(name="lone wheelset", bodies=(body,)),
+        vehicle=vehicle,
         run=Run(speed=speed, step=step, output_interval=step),
         track=track or Track((Straight(length=500.0),)),
-        contact=Contact(**{"flange_back": settings.flange_back, "creep_law": "hard", **contact}),
+        contact=Contact(**{"flange_back": table.settings.flange_back, "creep_law": "hard", **contact}),
     )
     return assemble(scenario, [table])
 

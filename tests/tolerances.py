@@ -32,6 +32,17 @@ CREEP_AGAINST_CONTACT = {
 }
 CREEP_SIZE_SMOOTH = 0.04  # Shen's cubic against the full solution; measured 0.036 at a : b = 1 : 2
 
+# FaStrip, point by point and from its table, against CONTACT: the worse of both and a tenth.
+STRIPS_AGAINST_CONTACT = {
+    "no spin": (0.0043, 0.021, 0.0058),
+    "light spin": (0.0063, 0.045, 0.0069),
+    "medium spin": (0.0090, 0.077, 0.0089),
+    "heavy spin": (0.0166, 0.074, 0.0134),
+}
+STRIPS_MEAN, STRIPS_LARGEST = 0.024, 0.12  # of the limit, 20 states of an ellipse; measured 0.022 at a : b of 5
+STRIPS_OPPOSED = 0.031  # of the limit, full slip: the direction between tabulated ellipses; 0.028 at a : b of 18
+FULL_SOLUTION = 0.05  # of the limit: 26 x 20 elements against 61 x 61; measured 0.043, 0.010 in the mean
+
 CREEP_TWIN = 1e-10  # sums over 500 elements, differences of nearly equal terms of Polach's K_M
 CREEP_TABLE_MEAN, CREEP_TABLE_MAX = 0.015, 0.06  # of the limit, spin beyond that of a flange; measured 0.010, 0.045
 CREEP_BOUND = 5e-3  # of the limit: FASTSIM sums a pressure over 10 strips; measured 1.5e-3
@@ -149,6 +160,9 @@ EN15302_ROLL = 1.5e-6  # [m] known to 1 micrometre; measured 0.9
 # --- Import and curation of profiles ---
 IMPORTED_ROUNDING = 1e-9  # [m] canonical files have 9 decimals of mm; inches and metres in samples have 9 digits
 IMPORTED_WHEEL = 2.5e-7  # [m] Manchester wheel on the bundled one: 0.12 um of section C, and its own last digit
+SAME_RAIL_CONICITY = 3e-3  # relative; a file of the same rail, 0.03 um apart, its points round jumps of curvature
+TAPE_THICKNESS = 0.1e-3  # [m] below a tape circle 0.11 mm lower the flank stands 0.04 mm further out at 70 degrees
+TAPE_RADIUS = 5e-8  # [m] one curve on two grids of 0.05 mm that are 3.8 mm apart
 INSTRUMENT_MM = 0.05  # Sd, Sh, qR of the instrument's own smoothing against unsmoothed points; measured 0.04
 LIP = 2e-5  # [m] tangents at the corner where a gauge face is continued bulge the last piece by some micrometres
 STITCHED = 0.03e-3  # [m] the mean of two points 0.1 mm apart on the same curve, off by its sagitta on the tightest arc
@@ -217,6 +231,12 @@ CONE_ROLL = 1e-8  # [rad] loads that differ by 1e-3 press in by 5e-9 m more or l
 PRESSED_IN = 3e-5  # [m] what 10 kN press a wheel of 0.46 m into a head of 0.3 m: 1.9e-5
 GRID_ROUNDING = 1e-12  # [m] a whole number of steps
 STRAIGHT_ON = 0.02  # gravity on a round rail pushes back a little
+FREE_STRAIGHT_ON = 0.06  # weight on round rails and spin moments, of 1 N m, turn and move what nothing else holds
+FREE_SPIN = 3e-6  # relative; the wheels still yaw a little on their bearings
+FREE_LOAD = 1e-3  # relative; the Newton search leaves wheel loads apart by as much
+FREE_SHARE = 0.02  # of the friction limit; what turns the wheels along as the wagon still sways
+FREE_PATH = 1e-4  # relative; the same, and the wheels' own yaw on their bearings
+FREE_COUPLE = 1e-2  # of the longitudinal force of a wheelset in the same place
 
 # --- Non-Hertzian patches ---
 ELLIPTIC = 1e-12  # arithmetic-geometric mean, quadratic convergence

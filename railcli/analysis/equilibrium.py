@@ -62,7 +62,7 @@ class _Steady:
         self.data = system.start(s)
         self.rest = system.rest
         self.damper = system.damper
-        self.mean_radii = system.mean_radii
+        self.radii = system.radii
         spins = model.body["spins"].astype(bool)
         n = spins.size
         coordinate = np.zeros((n, 6), bool)
@@ -89,13 +89,13 @@ class _Steady:
         q = self.rest.copy()
         q[:, 2] += touching_depth(self.model) + PRESSED
         for right in range(0, self.model.wheel.size, 2):
-            if sides_differ(self.model, right):
-                body = self.model.wheel[right]["body"]
+            body, other = self.model.wheel[right : right + 2]["body"]
+            if body == other and sides_differ(self.model, right):
                 q[body, 2], q[body, 3] = seat(self.model, right)
                 q[body, 2] += PRESSED
         x[: self.n_q] = q[self.coordinate]
         if self.moving:
-            x[self.n_q : -1] = -speed / self.mean_radii
+            x[self.n_q : -1] = -speed / self.radii[self.spins]
             x[-1] = speed
         return x
 

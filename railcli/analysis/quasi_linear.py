@@ -229,7 +229,7 @@ def linear_table(line, settings, wheel_name="", rail_name=""):
 def _radii(scenario):
     """Wheel radii of the contact tables that a scenario needs, in their order [m]."""
     right, left = scenario.contact.sides
-    radii = [scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets]
+    radii = scenario.vehicle.wheel_radii
     if right != left or any(one != other for one, other in radii):
         raise InputError(
             "quasi-linear contact",

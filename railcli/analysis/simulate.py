@@ -134,27 +134,30 @@ def settled_start(system, lateral=0.0):
     data.q[:, 2:] = rest.q[:, 2:]
     data.q[:, 1] = rest.q[:, 1] + lateral
     data.damper[:] = rest.damper
-    data.v[system.wheelsets, 4] = -system.speed / _rolling_radii(system, rest)
+    spins = np.flatnonzero(system.model.body["spins"])
+    data.v[spins, 4] = -system.speed / _rolling_radii(system, rest, spins)
     data.yielded[:], data.dragged[:] = rest.yielded, rest.dragged
     if lateral:
         _set_down(system, data, lateral)
     return data
 
 
-def _rolling_radii(system, rest):
-    """Radius on which each wheelset rolls at rest, the mean over its patches by their normal forces [m]."""
+def _rolling_radii(system, rest, spins):
+    """Radius on which each body that spins rolls at rest, the mean over its patches by their normal forces [m]."""
     normal, radius = rest.contact["normal"], rest.contact["radius"]
     bodies = system.model.wheel["body"]
-    load = np.array([normal[bodies == i].sum() for i in system.wheelsets])
-    moment = np.array([(normal * radius)[bodies == i].sum() for i in system.wheelsets])
-    return np.divide(moment, load, out=system.mean_radii.copy(), where=load > 0.0)
+    load = np.array([normal[bodies == i].sum() for i in spins])
+    moment = np.array([(normal * radius)[bodies == i].sum() for i in spins])
+    return np.divide(moment, load, out=system.radii[spins], where=load > 0.0)
 
 
 def _set_down(system, data, lateral):
     """Let the rails carry each wheelset where it stands aside as they do in the middle; where they cannot, leave it."""
     track = pack(constant_track(0.0, 0.0))
     model = freeze(system.model._replace(joint=system.model.joint[:0], track=track, shift=NO_SHIFT))
-    for i in system.wheelsets:
+    for i, other in system.model.wheel["body"].reshape(-1, 2):
+        if i != other:  # two wheels that stand only by what joins them
+            continue
         before = data.q[i].copy()
         data.q[i, 1] = before[1] - lateral
         if evaluate(model, data, SETTLED) == 0:

@@ -221,7 +221,7 @@ def _continued(system, length, states, before, speed, threshold):
     """Limit cycle at a speed, begun with the state of another one; and the state in which it ends."""
     data = copied(states[before])
     data.v[:, 0] *= speed / before
-    data.v[list(system.wheelsets), 4] *= speed / before
+    data.v[system.model.body["spins"] == 1, 4] *= speed / before
     return _settle(on_straight(system, length, speed=speed), data, threshold), data
 
 

@@ -80,8 +80,9 @@ def step_limit(system, speeds=()):
     motions = [OneStep(system, speed) for speed in dict.fromkeys(speeds or (system.speed,))]
     last = motions[-1]
     held = OneStep(system.on_rigid_track(), last.system.speed) if last.data.yielded.size else last
-    for k in range(len(system.wheelsets)):
-        limit = aside(held, k, limit)
+    for k, (right, left) in enumerate(system.model.wheel["body"].reshape(-1, 2)):
+        if right == left:
+            limit = aside(held, k, limit)
     for motion in motions:
         limit = motion.limit(limit)
     return limit

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import StateSpace, lsim
 
+from railcli.errors import InputError
 from railcli.model.air import AirSpring
 from railcli.model.elements import Bushing, Link
 from railcli.model.friction_elements import Friction, LeafSpring
@@ -120,6 +121,8 @@ def vertical_model(vehicle, contacts, speed, hold, gravity):
     -------
     VerticalModel
     """
+    if any(body.wheel for body in vehicle.bodies):
+        raise InputError(vehicle.name, "the linear vertical model takes wheelsets only, no wheels that turn freely")
     n = 3 * len(vehicle.bodies)
     mass = np.zeros(n)
     for i, body in enumerate(vehicle.bodies):

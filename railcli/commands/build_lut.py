@@ -22,9 +22,10 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @click.command("build-lut", short_help="Build or check a wheel-rail contact table.")
 @click.option("--wheel", metavar="NAME|FILE", help=f"Wheel profile: bundled or a file.  [default: {DEFAULT_WHEEL}]")
 @click.option("--rail", metavar="NAME|FILE", help=f"Rail profile: bundled or a file.  [default: {DEFAULT_RAIL}]")
-@setting("--inclination", "20", "N", "Rail inclination 1:N; 0 is upright.")
+@setting("--inclination", "20", "N", "Rail inclination 1:N; 0: as in the profile.")
 @setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3)
 @setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3)
+@setting("--tape-to-back", "70", "MM", "Distance of the tape circle from the flange back.", 1e3)
 @setting("--radius", "460", "MM", "Wheel radius at the tape circle.", 1e3)
 @setting("--young", "210", "GPA", "Young's modulus of wheel and rail.", 1e-9)
 @setting("--poisson", "0.28", "NUMBER", "Poisson's ratio of wheel and rail.")
@@ -127,13 +128,14 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     from railcli.analysis.refine import refine
     from railcli.files import tables
     from railcli.files.output import output_file, results_folder
-    from railcli.files.profiles import load_profile
+    from railcli.files.profiles import load_profile, settings_on
     from railcli.model.contact_table import TableSettings
     from railcli.report import contact
 
-    settings = TableSettings(**settings)
+    asked, settings = settings.get("inclination"), TableSettings(**settings)
     wheel = load_profile(wheel or DEFAULT_WHEEL, "wheel")
     rail = load_profile(rail or DEFAULT_RAIL, "rail")
+    settings = settings_on([rail], settings, asked)
     path = output_file(output, overwrite) if output else None
     picture = None
     if plot:

@@ -80,7 +80,8 @@ def conicity(roll, amplitude, curve, plot, output_format, output, overwrite, qui
     motions = conicity(contact, [value * 1e-3 for value in wanted])
     rows = steering(contact, radii)
     title = wheelset.title(names, settings, pair, roll)
-    shown = {key: getattr(settings, key) for key in ("inclination", "gauge", "flange_back", "radius", "pressed")}
+    keys = ("inclination", "gauge", "flange_back", "tape_to_back", "radius", "pressed")
+    shown = {key: getattr(settings, key) for key in keys}
     record = report.as_json(shown, names, roll, contact, motions, rows)
     lines = report.summary(title, contact, motions, rows)
     if rigid is not None:

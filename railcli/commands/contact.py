@@ -87,7 +87,10 @@ def contact(roll, yaw, at, load, picture, output_format, output, overwrite, quie
     fine = conicities([1e-3 * AMPLITUDE_STEP_MM * k for k in range(5, round(REACH_MM / AMPLITUDE_STEP_MM) + 1)])
     head = title(names, settings, pair, roll) + (f", yaw {yaw * 1e3:g} mrad" if yaw else "")
     loading = overview.loading_text(load, settings, roll)
-    shown = ("inclination", "gauge", "flange_back", "radius", "young", "poisson", "curvature_window", "pressed")
+    shown = (
+        "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "curvature_window",
+        "pressed",
+    )  # fmt: skip
     record = overview.as_json(
         names, {key: getattr(settings, key) for key in shown},
         {"left_radius": pair.left.radius, "roll": roll, "yaw_mrad": yaw * 1e3, "load_kN": load / 1e3},

@@ -7,6 +7,7 @@ import click
 
 from .options import format_option, output_option, overwrite_option
 
+LENGTHS = ("shift_y", "smooth", "resample", "tape_to_back")  # options in mm
 MIRROR = click.Choice(["auto", "yes", "no"])
 
 
@@ -30,6 +31,12 @@ def shape_options(command):
                 help="Move a wheel to the field side after its origin was found.  [default: 0]",
             ),
             click.option(
+                "--tape-to-back",
+                type=float,
+                metavar="MM",
+                help="Distance of a wheel's tape circle from its flange back.  [default: as the file says, else 70]",
+            ),
+            click.option(
                 "--smooth",
                 type=float,
                 metavar="MM",
@@ -37,6 +44,11 @@ def shape_options(command):
             ),
             click.option(
                 "--resample", type=float, metavar="MM", help="Points at this distance.  [default: those of the file]"
+            ),
+            click.option(
+                "--inclination",
+                type=click.Choice(["included", "upright"]),
+                help="How a rail stands in the file.  [default: as the file says]",
             ),
         )
     ):
@@ -173,5 +185,5 @@ def check(file, output_format, **given):
 def _settings(given):
     from railcli.files.profile_import import ImportSettings
 
-    lengths = {key: None if given[key] is None else given[key] / 1e3 for key in ("shift_y", "smooth", "resample")}
+    lengths = {key: None if given[key] is None else given[key] / 1e3 for key in LENGTHS}
     return ImportSettings(**{**given, **lengths})

@@ -12,15 +12,16 @@ def wheelset_options(command):
         (
             click.option("--wheel", default=DEFAULT_WHEEL, show_default=True, metavar=name, help="Wheel profile."),
             click.option(
-                "--rail", default=DEFAULT_RAIL, show_default=True, metavar=name, help="Rail profile, upright."
+                "--rail", default=DEFAULT_RAIL, show_default=True, metavar=name, help="Rail profile."
             ),
             click.option(
                 "--left-wheel", metavar=name, help="Left wheel, as a right-hand profile.  [default: as right]"
             ),
             click.option("--left-rail", metavar=name, help="Left rail, as a right-hand profile.  [default: as right]"),
-            setting("--inclination", "20", "N", "Rail inclination 1:N; 0 is upright."),
+            setting("--inclination", "20", "N", "Rail inclination 1:N; 0: as in the profile."),
             setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3),
             setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3),
+            setting("--tape-to-back", "70", "MM", "Distance of the tape circle from the flange back.", 1e3),
             setting("--radius", "460", "MM", "Wheel radius at the tape circle.", 1e3),
             setting("--left-radius", "as right", "MM", "Radius of the left wheel.", 1e3),
         )
@@ -41,7 +42,7 @@ def wheelset_of(wheel, rail, left_wheel, left_rail, left_radius, **given):
     """
     from railcli.analysis.build_table import check_fit
     from railcli.analysis.rigid_contact import wheelset_on
-    from railcli.files.profiles import load_profile
+    from railcli.files.profiles import load_profile, settings_on
     from railcli.model.contact_table import LIMITS, TableSettings
 
     settings = TableSettings(**{key: value for key, value in given.items() if value is not None})
@@ -51,6 +52,8 @@ def wheelset_of(wheel, rail, left_wheel, left_rail, left_radius, **given):
             raise click.BadParameter(f"must lie in {low * 1e3:g} ... {high * 1e3:g} mm", param_hint="'--left-radius'")
     right = load_profile(wheel, "wheel"), load_profile(rail, "rail")
     left = left_wheel and load_profile(left_wheel, "wheel"), left_rail and load_profile(left_rail, "rail")
+    rails = [rail for rail in (right[1], left[1]) if rail]
+    settings = settings_on(rails, settings, given["inclination"])
     pair = wheelset_on(settings, *right, *left, left_radius)
     for mounting in pair.mountings:
         check_fit(mounting, settings)

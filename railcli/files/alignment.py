@@ -73,7 +73,7 @@ def find_kind(measured, given=None):
     )
 
 
-def align(measured, kind, units=None, mirror_y="auto", mirror_z="auto"):
+def align(measured, kind, units=None, mirror_y="auto", mirror_z="auto", tape_to_back=TAPE_TO_BACK):
     """Unit, mirrors, order and a first origin.
 
     Parameters
@@ -83,6 +83,8 @@ def align(measured, kind, units=None, mirror_y="auto", mirror_z="auto"):
     units : str, optional
         One of UNITS.
     mirror_y, mirror_z : "auto", "yes" or "no"
+    tape_to_back : float, optional
+        Distance of a wheel's tape circle from its flange back [m].
 
     Returns
     -------
@@ -104,7 +106,7 @@ def align(measured, kind, units=None, mirror_y="auto", mirror_z="auto"):
         z = -z
     if across.choice == "yes":
         y, z, lines = -y[::-1], z[::-1], lines[::-1]
-    origin = _wheel_origin(measured, y, z) if kind == "wheel" else _rail_origin(y, z)
+    origin = _wheel_origin(measured, y, z, tape_to_back * 1e3) if kind == "wheel" else _rail_origin(y, z)
     decisions = [unit, across, down, origin[2]]
     if kind == "rail" and (warning := _leaning(y, z)):
         decisions.append(warning)
@@ -220,23 +222,23 @@ def _rail_origin(y, z):
     return y[top], z[top], Decision("origin", "highest point", "of the head as it stands in the file")
 
 
-def _wheel_origin(measured, y, z):
+def _wheel_origin(measured, y, z, tape):
     """y and z of the tape circle in the file's numbers, turned, and why."""
     path, low, high = measured.path, *BACK_TO_TIP_MM
     inside = y[0] + INSIDE * (y[-1] - y[0])
     heights = _heights(y, z)
     tip = inside[np.argmax(heights)]
-    tape = TAPE_TO_BACK * 1e3
     back = _flange_back(y, z, tip)
     seen = "" if back is None else f"; the file's flange back is at {back:.4g}"
+    elsewhere = tape != TAPE_TO_BACK * 1e3 and back is not None and abs(back + tape) > BACK_AGREES_MM
     at_zero = np.interp(0.0, np.maximum.accumulate(y), z)
     if measured.from_back and (back is None or abs(back) <= BACK_AGREES_MM) and low <= tip <= high:
         y_tape = tape
         reason = f"{measured.source} counts from the flange back{seen or '; the file does not show it'}"
-    elif TIP_MM[0] <= tip <= TIP_MM[1] and abs(at_zero) <= TAPE_MM and not measured.from_back:
+    elif TIP_MM[0] <= tip <= TIP_MM[1] and abs(at_zero) <= TAPE_MM and not measured.from_back and not elsewhere:
         y_tape, reason = 0.0, "as in the file, where z = 0 at y = 0 and the flange is in its place"
     elif back is not None and low <= tip - back <= high:
-        y_tape, reason = back + tape, f"70 mm from the flange back, a face at {back:.4g} in the file"
+        y_tape, reason = back + tape, f"{tape:g} mm from the flange back, a face at {back:.4g} in the file"
     elif low <= tip <= high:
         y_tape, reason = tape, "assumed: y = 0 is the flange back, which the file does not show; else use --shift-y"
     else:
@@ -245,7 +247,8 @@ def _wheel_origin(measured, y, z):
             f"assumed: flange tip {TIP_ASSUMED_MM:g} mm from a flange back that the file does not show; else --shift-y"
         )
     if not inside[0] < y_tape < inside[-1]:
-        raise InputError(path, f"the profile does not reach the tape circle, 70 mm from the flange back ({reason})")
+        where = f"{tape:g} mm from the flange back ({reason})"
+        raise InputError(path, f"the profile does not reach the tape circle, {where}")
     z_tape = np.interp(y_tape, np.maximum.accumulate(y), z)
     return y_tape, z_tape, Decision("origin", f"tape circle at {y_tape:.4g} mm of the file", reason)
 

@@ -32,6 +32,8 @@ def save(scenario, path):
         for profile in profiles:
             group = file.require_group(f"profiles/{digest_of(profile)}")
             group.attrs.update({"name": profile.name, "kind": profile.kind})
+            if profile.inclined is not None:
+                group.attrs["inclined"] = profile.inclined
             for key in ("y", "z", "angle"):
                 _put(group, key, getattr(profile, key), "rad" if key == "angle" else "m")
         for source in tracks:
@@ -99,7 +101,9 @@ def _put(group, key, values, unit):
 
 
 def _profile(group, kind):
-    return Profile(str(group.attrs["name"]), kind, *(group[key][()] for key in ("y", "z", "angle")))
+    inclined = group.attrs.get("inclined")
+    nodes = (group[key][()] for key in ("y", "z", "angle"))
+    return Profile(str(group.attrs["name"]), kind, *nodes, None if inclined is None else bool(inclined))
 
 
 def _samples(group):

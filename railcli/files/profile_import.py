@@ -1,7 +1,7 @@
 """Profile files of any kind to the canonical form, with an account of all that was decided and changed."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +9,23 @@ import numpy as np
 from railcli import __version__
 from railcli.errors import InputError
 from railcli.model.curation import Curation
-from railcli.model.profile import Profile
+from railcli.model.profile import TAPE_TO_BACK, Profile
 from railcli.model.smoothing import change, resample, smooth
 
 from .alignment import Decision, align, find_kind
 from .formats import read_points
 from .output import write_json, write_text
-from .profiles import BUNDLED, check_angle, check_curve, load_profile
+from .profiles import (
+    BUNDLED,
+    LEAN,
+    STANDS,
+    check_angle,
+    check_curve,
+    checked_tape,
+    load_profile,
+    stated_inclination,
+    stated_tape,
+)  # fmt: skip
 
 ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
@@ -24,9 +34,8 @@ WHEEL_REACH = (-0.035, 0.020)  # running surface that a table needs: flange root
 GAUGE_DEPTH = 0.014  # below the top, where gauge is measured [m]
 RUNNING_SLOPE = np.tan(np.radians(60.0))
 GAP = 3e-3  # between neighbouring points, from which the report warns [m]
-LEAN = np.radians(0.5)  # of the head, from which the report warns that it may be inclined already
 LARGEST_SHIFT = 0.1  # of a wheel to the field side [m]
-LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
+SIDE = 0.002  # a running surface that ends this near to the field side of a head ends with it [m]
 
 
 @dataclass(frozen=True)
@@ -43,6 +52,10 @@ class ImportSettings:
         Cut-off wavelength.
     resample : float or None
         Distance of points.
+    inclination : "included", "upright" or None
+        How a rail stands in the file; None: as the file says, if it does.
+    tape_to_back : float or None
+        Of a wheel; None: as the file says, else 70 mm.
     """
 
     kind: str | None = None
@@ -52,6 +65,8 @@ class ImportSettings:
     shift_y: float = 0.0
     smooth: float | None = None
     resample: float | None = None
+    inclination: str | None = None
+    tape_to_back: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +111,8 @@ def convert(measured, settings):
     """
     path = measured.path
     kind = find_kind(measured, settings.kind)
-    aligned = align(measured, kind.choice, settings.units, settings.mirror_y, settings.mirror_z)
+    tape = _tape(path, kind.choice, settings)
+    aligned = align(measured, kind.choice, settings.units, settings.mirror_y, settings.mirror_z, tape)
     decisions = [kind, *aligned.decisions]
     y = aligned.y
     if settings.shift_y:
@@ -107,8 +123,10 @@ def convert(measured, settings):
             raise InputError("--shift-y", f"is {settings.shift_y * 1e3:g} mm; allowed: -{most} to {most}")
         y = y + settings.shift_y
         decisions.append(Decision("shift y", f"{settings.shift_y * 1e3:g} mm", "given"))
+    stands = _stands(path, kind.choice, settings)
+    decisions += [stands] if stands else []
     curation = Curation(path, kind.choice, y, aligned.z, aligned.lines).run()
-    raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z)
+    raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z, tape_to_back=tape)
     raw = raw.translated(*_to_origin(path, raw))
     _as_source(measured, raw, curation.lines)
     corners = curation.kinks()
@@ -129,6 +147,7 @@ def convert(measured, settings):
         move = _to_origin(path, profile)
         raw, profile = raw.translated(*move), profile.translated(*move)
         check_curve(path, kind.choice, profile.y * 1e3, profile.z * 1e3, np.arange(profile.y.size))
+    profile = replace(profile, inclined=STANDS[stands.choice] if stands else None, tape_to_back=tape)
     account = {
         "file": str(path),
         "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
@@ -198,7 +217,7 @@ def dimensions(profile):
         names = {"height": "flange_height_mm", "thickness": "flange_thickness_mm", "qr": "qr_mm", "width": "width_mm"}
         return found | {name: getattr(flange, key) * 1e3 for key, name in names.items()}
     found["head_width_mm"] = float(np.ptp(profile.y)) * 1e3
-    found["lean_degrees"] = float(np.degrees(_lean(profile)))
+    found["lean_degrees"] = float(np.degrees(profile.lean))
     try:
         found["gauge_point_y_mm"] = profile.gauge_point()[0] * 1e3
     except InputError:
@@ -217,6 +236,14 @@ def unfit(profile):
     if profile.kind == "rail":
         top = start + step * int(np.argmin(graph[:, 0]))
         low, high = top - RAIL_REACH, top + RAIL_REACH
+        if start <= low and end < high and profile.y.max() - end < SIDE:
+            if profile.lean > LEAN:
+                return []
+            return [
+                f"{profile.name}: the head ends {(profile.y.max() - top) * 1e3:.4g} mm to the field side of its "
+                f"highest point though it does not lean to the gauge side; at least {RAIL_REACH * 1e3:g} mm is needed: "
+                "give the head from side to side, or correct --mirror-y"
+            ]
     else:
         low, high = WHEEL_REACH
     if start > low or end < high:
@@ -233,14 +260,14 @@ def canonical_text(imported, settings):
     The angles are left out where points are so rough that a reader would doubt them; it finds the same ones.
     """
     account, profile = imported.account, imported.profile
-    origin = (
-        "the highest point of the head" if profile.kind == "rail" else "the tape circle, 70 mm from the flange back"
-    )
+    origin = "the highest point of the head" if profile.kind == "rail" else "the tape circle"
     smoothed = f"cut-off wavelength {settings.smooth * 1e3:g} mm" if settings.smooth else "none"
     head = [
         f"# name: {profile.name}",
         f"# kind: {profile.kind}",
+        *(f"# inclination: {word}" for word, inclined in STANDS.items() if profile.inclined is inclined),
         f"# axes: right-hand {profile.kind}, y to the field side, z down, origin at {origin}",
+        *([f"# tape circle: {profile.tape_to_back * 1e3:.9g} mm from the flange back"] if profile.tape_to_back else []),
         f"# source: {Path(account['file']).name}, {account['format']}, SHA-256 {account['sha256']}",
         f"# smoothing: {smoothed}",
         f"# written by railcli {account['railcli']} profile import",
@@ -320,6 +347,33 @@ def _distance(before, after):
     return float(np.abs(across).max()) * 1e3
 
 
+def _tape(path, kind, settings):
+    """Distance of a wheel's tape circle from its flange back [m]: as given, as the file says, else the usual one."""
+    if kind != "wheel":
+        if settings.tape_to_back is not None:
+            raise InputError("--tape-to-back", "is for wheels")
+        return None
+    if settings.tape_to_back is not None:
+        return checked_tape(settings.tape_to_back, "--tape-to-back")
+    return stated_tape(_text(path), path) or TAPE_TO_BACK
+
+
+def _text(path):
+    return path.read_text(encoding="utf-8-sig", errors="replace")
+
+
+def _stands(path, kind, settings):
+    """Decision on how a rail stands in its file; None if nobody says."""
+    if kind != "rail":
+        if settings.inclination:
+            raise InputError("--inclination", "is for rails")
+        return None
+    if settings.inclination:
+        return Decision("inclination", settings.inclination, "given")
+    found = stated_inclination(_text(path), path)
+    return Decision("inclination", found, "as the file says") if found else None
+
+
 def _places(profile, index):
     turn = np.degrees(np.diff(np.unwrap(np.arctan2(np.diff(profile.z), np.diff(profile.y)))))
     return [
@@ -332,21 +386,19 @@ def _ends(values):
     return [float(values.min()) * 1e3, float(values.max()) * 1e3]
 
 
-def _lean(profile):
-    """Angle of a head's middle from the horizontal [rad], positive when it leans inwards (gauge side down)."""
-    middle = (profile.y.min() + profile.y.max()) / 2.0
-    low, high = np.interp([middle - LEAN_REACH, middle + LEAN_REACH], np.maximum.accumulate(profile.y), profile.z)
-    return np.arctan2(low - high, 2.0 * LEAN_REACH)
-
-
 def _advice(profile, raw, corners, settings):
     """What a user should know before a table is built."""
     advice = []
-    if profile.kind == "rail" and abs(lean := _lean(profile)) > LEAN:
+    if profile.kind == "rail" and profile.inclined is None and abs(lean := profile.lean) > LEAN:
         advice.append(
             f"the middle of the head leans by {abs(np.degrees(lean)):.2f} degrees to the "
             f"{'gauge' if lean > 0 else 'field'} side: if it was measured in the track, it has its inclination "
-            "already; build the table with --inclination 0"
+            "already; import it with --inclination included, or build the table with --inclination 0"
+        )
+    if profile.kind == "rail" and (beyond := float(profile.y.max())) < RAIL_REACH:
+        advice.append(
+            f"the head leans so that its highest point lies {beyond * 1e3:.3g} mm from its field side: no rail is "
+            "beyond it, where a wheel may stand that moves far away from its flange"
         )
     wide = float(np.hypot(np.diff(raw.y), np.diff(raw.z)).max())
     if wide > GAP:

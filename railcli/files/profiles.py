@@ -1,15 +1,19 @@
 """Profiles of rails and wheels: bundled ones by name, others from text files.
 
-A file has two columns, y and z, or three with the tangent angle atan2(dz, dy) in radian; separated by comma, semicolon,
-blanks or tabs. Lines that start with ``#``, ``!`` or ``%`` are comments. One line before the data may name the columns
-(`y_mm` or `y_m`, `z_mm` or `z_m`, `angle_rad`); otherwise y and z are in mm. Axes as in `railcli.model.profile`: y to
-the field side, z down. Points may run either way along the curve. Nothing is repaired: what does not fit is an error,
-except that a point which repeats the one before it exactly is passed over.
+A file has two columns, y and z, or three with the tangent angle atan2(dz, dy) in radian; separated by comma,
+semicolon, blanks or tabs. Lines that start with ``#``, ``!`` or ``%`` are comments. One line before the data may name
+the columns (`y_mm` or `y_m`, `z_mm` or `z_m`, `angle_rad`); otherwise y and z are in mm. A comment ``# inclination:
+included`` or ``# inclination: upright`` says how a rail stands in the file, ``# tape circle: 73.8 mm from the flange
+back`` from where y of a wheel counts. Axes as in `railcli.model.profile`: y to the field side, z down. Points may run
+either way along the curve. Nothing is repaired: what does not fit is an error, except that a point which repeats the
+one before it exactly is passed over.
 """
 
 import difflib
 import math
 import os
+import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +22,7 @@ from railcli.errors import InputError
 from railcli.files.resources import resource
 from railcli.model.polyline import meeting as _meeting
 from railcli.model.polyline import turns
-from railcli.model.profile import Profile
+from railcli.model.profile import TAPE_LIMITS, Profile
 
 BUNDLED = {
     "UIC60": ("rail", "profiles/UIC60/UIC60.csv"),
@@ -41,6 +45,10 @@ ANGLE_OFF = 0.5  # tangent angle against the chords on both sides [rad]
 UNITS = {"mm": 1.0, "inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 0.001}  # in mm
 COLUMNS = {"y_mm": ("y", 1.0), "z_mm": ("z", 1.0), "y_m": ("y", 1e3), "z_m": ("z", 1e3), "angle_rad": ("angle", 1.0)}
 WITHOUT_HEADER = ("y_mm", "z_mm", "angle_rad")
+STANDS = {"included": True, "upright": False}  # what a file may say of a rail's inclination
+LEAN = math.radians(0.5)  # of a head, from which it may be inclined already
+_TAPE = re.compile(r"[#!%]\s*tape circle\s*:\s*([0-9.]+)\s*mm from the flange back\s*", re.IGNORECASE)
+_INCLINATION = re.compile(r"[#!%]\s*inclination\s*:\s*(.*?)\s*", re.IGNORECASE)
 
 
 def load_profile(name_or_path, kind):
@@ -72,6 +80,69 @@ def profile_of(scenario, place, kind):
     return load_profile(place, kind) if known is None else known
 
 
+def settings_on(rails, settings, asked=None):
+    """Settings for rails, whose inclination is 0 where all of them include it.
+
+    A rail whose head leans by itself and is inclined besides, though its file does not say that it is upright, is told
+    in one line on stderr.
+
+    Parameters
+    ----------
+    rails : sequence of Profile
+    settings : TableSettings
+    asked : float, optional
+        Inclination that the user gave by word: an InputError if no rail takes it.
+    """
+    if asked and all(rail.inclined for rail in rails):
+        raise InputError(
+            rails[0].name, f"includes its inclination, as its file says: leave out inclination {asked:g}, or give 0"
+        )
+    for rail in dict.fromkeys(rails):
+        if settings.inclination and rail.inclined is None and rail.lean > LEAN:
+            given = math.degrees(math.atan(1.0 / settings.inclination))
+            print(
+                f"Warning: rail {rail.name}: its head leans by {math.degrees(rail.lean):.2f} degrees to the gauge side "
+                f"in the file and is inclined by 1:{settings.inclination:g} ({given:.2f} degrees) besides; if it "
+                "includes its inclination, write '# inclination: included' into the file or give inclination 0, else "
+                "'# inclination: upright'",
+                file=sys.stderr,
+            )
+    return settings.on(*rails)
+
+
+def stated_inclination(text, path):
+    """`included` or `upright`, as a comment of a rail's file says; None if none does."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if found := _INCLINATION.fullmatch(line.strip()):
+            word = found[1].lower()
+            if word not in STANDS:
+                raise InputError(
+                    f"{path}, line {number}",
+                    f"says inclination: {word[:40]!r}; allowed: included (the points are those of the inclined rail) "
+                    "or upright; correct it or take the line out",
+                )
+            return word
+    return None
+
+
+def stated_tape(text, path):
+    """Distance of a wheel's tape circle from its flange back, as a comment of its file says [m]; None if none does."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if found := _TAPE.fullmatch(line.strip()):
+            return checked_tape(float(found[1]) / 1e3 if _is_number(found[1]) else 0.0, f"{path}, line {number}")
+    return None
+
+
+def checked_tape(tape, place):
+    """A distance of the tape circle from the flange back [m], if it is allowed; else an InputError."""
+    low, high = TAPE_LIMITS
+    if not low <= tape <= high:
+        raise InputError(
+            place, f"tape circle {tape * 1e3:g} mm from the flange back; allowed: {low * 1e3:g} to {high * 1e3:g} mm"
+        )
+    return tape
+
+
 def check_curve(path, kind, y, z, lines, unit_mm=1.0):
     """Raise an InputError unless the points are those of a rail or wheel in the canonical form.
 
@@ -97,7 +168,8 @@ def _choices(kind):
 
 
 def _read(path, name, kind):
-    table, lines = _table(_text(path, kind), path)
+    text = _text(path, kind)
+    table, lines = _table(text, path)
     y, z = table["y"], table["z"]
     angle = table.get("angle")
     if y[-1] < y[0]:
@@ -106,7 +178,9 @@ def _read(path, name, kind):
     check_curve(path, kind, y, z, lines, table["unit_mm"])
     if angle is not None:
         check_angle(path, y, z, angle, lines)
-    return Profile.from_points(name, kind, y / 1e3, z / 1e3, angle)
+    inclined = STANDS.get(stated_inclination(text, path)) if kind == "rail" else None
+    tape = stated_tape(text, path) if kind == "wheel" else None
+    return Profile.from_points(name, kind, y / 1e3, z / 1e3, angle, inclined, tape)
 
 
 def _text(path, kind):
@@ -302,14 +376,14 @@ def _check_wheel(path, y, z):
         raise InputError(
             path,
             f"the flange tip is at y = {y[tip]:.4g} mm, allowed: {TIP_MM[0]:g} to {TIP_MM[1]:g} mm; "
-            "y must count from the tape circle, 70 mm from the flange back",
+            "y must count from the tape circle, usually 70 mm from the flange back",
         )
     tape = np.interp(0.0, np.maximum.accumulate(y), z)
     if abs(tape) > TAPE_MM:
         raise InputError(
             path,
             f"z at the tape circle (y = 0) is {tape:.4g} mm, allowed: {-TAPE_MM:g} to {TAPE_MM:g} mm; "
-            f"shift z so that it is 0 there, and y if 0 is not 70 mm from the flange back",
+            f"shift z so that it is 0 there, and y if 0 is not where the tape circle is",
         )
 
 

@@ -18,12 +18,12 @@ from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
 from railcli.kernels.layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Press
-from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
+from railcli.model.contact_table import VERSION, ContactTable, TableSettings, check_tape, table_key
 from railcli.model.system import needed, table_settings
 
 from . import seal
 from .output import cache_folder, whole_hdf5
-from .profiles import BUNDLED, load_profile, profile_of
+from .profiles import BUNDLED, load_profile, profile_of, settings_on
 from .progress import Progress
 
 HEAD_SIZE = seal.HEAD_SIZE
@@ -46,6 +46,7 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "inclination": ("--inclination", "", 1.0),
     "gauge": ("--gauge", "mm", 1e3),
     "flange_back": ("--flange-back", "mm", 1e3),
+    "tape_to_back": ("--tape-to-back", "mm", 1e3),
     "radius": ("--radius", "mm", 1e3),
     "y_range": ("--y-range", "mm", 1e3),
     "y_step": ("--y-step", "mm", 1e3),
@@ -59,7 +60,9 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "pressed": ("--pressed", "mm", 1e3),
     "normal": ("--normal", "", None),
 }
-OF_A_SCENARIO = ("inclination", "gauge", "flange_back", "radius", "young", "poisson", "pressed", "normal")
+OF_A_SCENARIO = (
+    "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "pressed", "normal"
+)  # fmt: skip
 
 
 def in_units(key, value):
@@ -383,10 +386,13 @@ def table_for(settings, wheel, rail, quiet=False, announce=None):
 
 def tables_for(scenario, quiet=False, announce=None):
     """Contact tables of a scenario, one for each pairing that `model.system.needed` names; options as `table_for`."""
-    tables = []
+    tables, told = [], set()
     for pairing in needed(scenario):
         wheel, rail = profile_of(scenario, pairing.wheel, "wheel"), profile_of(scenario, pairing.rail, "rail")
         settings = table_settings(scenario, pairing.radius)
+        check_tape(wheel, settings.tape_to_back)
+        settings = settings.on(rail) if rail in told else settings_on([rail], settings)
+        told.add(rail)
         if pairing.file is None:
             tables.append(table_for(settings, wheel, rail, quiet, announce))
         else:

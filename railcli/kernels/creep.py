@@ -11,7 +11,7 @@ the slip, and a spin moment remains where the true one vanishes.
 
 import math
 
-from . import creep_table, fastsim, polach
+from . import creep_table, fastrip, fastsim, polach
 from .jit import kernel
 from .layout import Creep
 
@@ -124,7 +124,7 @@ def tangential(param, table, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
     param : PARAM
         Its `creep_law` and the settings of the laws.
     table : array (n, 4)
-        `creep_table.tabulate`; empty for the other laws.
+        `creep_table.tabulate` of this law; empty for those without.
     a, b : float
         Semi-axes along the rail and across [m].
     f11, f22, f23, f33 : float
@@ -150,7 +150,8 @@ def tangential(param, table, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
     if law == Creep.FASTSIM:
         found = fastsim.rolling(ux, uy, wa, b / a, param["fastsim_grid"])
     else:
-        found = creep_table.integrals(table, ux, uy, wa, b / a)
+        levers = fastrip.levers(a, b, f22, f23, f33) if law == Creep.FASTRIP else creep_table.LEVERS
+        found = creep_table.integrals(table, ux, uy, wa, b / a, levers)
     return fastsim.on_ellipse(found, a, b, f11, f22, f23, limit)
 
 

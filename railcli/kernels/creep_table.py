@@ -1,4 +1,4 @@
-"""FASTSIM as a table that covers every ellipse and every creepage; theory.md section 7.6.
+"""A creep law as a table that covers every ellipse and every creepage; theory.md sections 7.6 and 7.10.
 
 With h = sqrt(ux^2 + uy^2), w = sqrt(wa^2 + wb^2), s = h + w (fastsim.py) the axes of the table are
 
@@ -10,43 +10,57 @@ shrinks as 1 / sqrt(s). Mirror images give the rest: ux and spin are taken posit
     F = F0 / (1 + s / BENT) + (1 - 1 / sqrt(1 + s)) H,
 
 with F0 the linear force: the first part alone is Kalker's for small creepages, and opposes a large slip without spin
-with the full friction.
+with the full friction. For FaStrip's moments the first factor is squared, so that in full slip none of F0 is left.
 """
 
 import math
 
 import numpy as np
 
-from .fastsim import rolling
+from . import fastrip, fastsim
 from .jit import builder, kernel
+from .layout import Creep
 
 BENT = 3.0 * math.pi / 16.0  # s at which the linear force without spin reaches the friction limit
 SIZES, SPINS, WAYS, SHAPES = 21, 17, 17, 9  # points of the axes, in the order above
 NODES = SIZES * SPINS * WAYS * SHAPES
 CHANNELS = 4  # px, py, y px, x py of `rolling`
 GRID = 15  # of the coarser of two FASTSIM solutions
+STRIPS, ELEMENTS = 16, 24  # of a FaStrip solution
 NOTHING, ENDLESS = 1e-100, 1e6  # s below which all is linear; s at the far end of the first axis
 SLENDER = 1e-6  # a / b and b / a at the ends of the last axis
-LINEAR = (16.0 / (3.0 * math.pi), 0.5, 16.0 / (15.0 * math.pi), 0.5)  # px by ux, py by uy or wa, y px by wb, x py by uy
+LINEAR = (16.0 / (3.0 * math.pi), 0.5)  # px by ux and py by uy, py by wa
+LEVERS = (16.0 / (15.0 * math.pi), 0.5, 0.0)  # FASTSIM's y px by wb, x py by uy; 1 if they fade as the square
 
 
 @kernel
-def linear_integrals(ux, uy, wa, wb):
-    """The integrals of `rolling` without a bound on the traction."""
-    return -LINEAR[0] * ux, -LINEAR[0] * uy - LINEAR[1] * wa, LINEAR[2] * wb, LINEAR[3] * uy
+def linear_integrals(ux, uy, wa, wb, levers):
+    """The integrals of `rolling` without a bound on the traction; levers: y px by wb, x py by uy."""
+    return -LINEAR[0] * ux, -LINEAR[0] * uy - LINEAR[1] * wa, levers[0] * wb, levers[1] * uy
+
+
+@kernel
+def solution(law, ux, uy, wa, narrow, shape):
+    """The integrals of `rolling` by the law itself; shape: `fastrip.proportions`.
+
+    FASTSIM's error goes as the length of an element, so twice the solution on 2 x 2 times as many elements less that
+    on one is free of it: of 15 and 30 as near to the limit as 100 x 100 elements, at a ninth of the work.
+    """
+    if law == Creep.FASTRIP:
+        return fastrip.rolling(ux, uy, wa, narrow, shape, STRIPS, ELEMENTS)
+    coarse, fine = fastsim.rolling(ux, uy, wa, narrow, GRID), fastsim.rolling(ux, uy, wa, narrow, 2 * GRID)
+    return 2.0 * fine[0] - coarse[0], 2.0 * fine[1] - coarse[1], 2.0 * fine[2] - coarse[2], 2.0 * fine[3] - coarse[3]
 
 
 @builder
-def tabulate(grid):
-    """The table, shape (NODES, CHANNELS), first axis fastest.
-
-    FASTSIM's error goes as the length of an element, so twice the solution on 2 grid x 2 grid elements less that on
-    grid x grid is free of it: of 15 and 30 as near to the limit as 100 x 100 elements, at a ninth of the work.
-    """
+def tabulate(law):
+    """The table of TABLE or FASTRIP of `Creep`, shape (NODES, CHANNELS), first axis fastest."""
     table = np.zeros((NODES, CHANNELS))
     for k in range(SHAPES):
         long = min(max(k / (SHAPES - 1.0), SLENDER), 1.0 - SLENDER)
         narrow = (1.0 - long) / long
+        shape = fastrip.proportions(narrow)
+        levers = (shape[2], shape[3], shape[4]) if law == Creep.FASTRIP else LEVERS
         for j in range(WAYS):
             across = 2.0 * j / (WAYS - 1.0) - 1.0
             along = 1.0 - abs(across)
@@ -58,11 +72,14 @@ def tabulate(grid):
                     s = min(1.0 / max(1.0 - part, 1e-6) ** 2 - 1.0, ENDLESS)
                     ux, uy = s * (1.0 - spin) * along / size, s * (1.0 - spin) * across / size
                     wa = s * spin / math.sqrt(1.0 + narrow * narrow)
-                    coarse, fine = rolling(ux, uy, wa, narrow, grid), rolling(ux, uy, wa, narrow, 2 * grid)
-                    linear = linear_integrals(ux, uy, wa, narrow * wa)
+                    found = solution(law, ux, uy, wa, narrow, shape)
+                    linear = linear_integrals(ux, uy, wa, narrow * wa, levers)
                     for c in range(CHANNELS):
                         row = ((k * WAYS + j) * SPINS + i) * SIZES + m
-                        table[row, c] = (2.0 * fine[c] - coarse[c] - linear[c] * BENT / (s + BENT)) / part
+                        grow = BENT / (s + BENT)
+                        if c > 1:
+                            grow *= 1.0 + levers[2] * (grow - 1.0)
+                        table[row, c] = (found[c] - linear[c] * grow) / part
     return table
 
 
@@ -82,20 +99,20 @@ def line(table, row, step, c, t):
 
 
 @kernel
-def integrals(table, ux, uy, wa, narrow):
-    """As `rolling`, from the table; NaN in, NaN out."""
+def integrals(table, ux, uy, wa, narrow, levers):
+    """As `fastsim.rolling`, from the table; levers as `linear_integrals`; NaN in, NaN out."""
     along, across, wb = abs(ux), uy, narrow * wa
     turned = -1.0 if wa < 0.0 else 1.0
     across, wa, wb = turned * across, turned * wa, turned * wb
     tilt = math.sqrt(1.0 + narrow * narrow)
     h, w = math.sqrt(along * along + across * across), wa * tilt
     s = h + w
-    linear = linear_integrals(along, across, wa, wb)
+    linear = linear_integrals(along, across, wa, wb, levers)
     if not (s > NOTHING and s < math.inf):
         bad = s - s if s == s else s
         return (
-            bad, bad, bad, bad, -LINEAR[0] + bad, bad, bad, bad, bad, -LINEAR[0] + bad, bad, LINEAR[3] + bad,
-            bad, -LINEAR[1] + bad, narrow * LINEAR[2] + bad, bad,
+            bad, bad, bad, bad, -LINEAR[0] + bad, bad, bad, bad, bad, -LINEAR[0] + bad, bad, levers[1] + bad,
+            bad, -LINEAR[1] + bad, narrow * levers[0] + bad, bad,
         )  # fmt: skip
     per, left, bend = 1.0 / s, 1.0 / math.sqrt(1.0 + s), 1.0 / (s + BENT)
     part, part_s = 1.0 - left, 0.5 * left * left * left
@@ -118,10 +135,14 @@ def integrals(table, ux, uy, wa, narrow):
     mx = channel(table, base, next_way, next_shape, tm, ti, tj, tk, 2)
     my = channel(table, base, next_way, next_shape, tm, ti, tj, tk, 3)
     scales = (part, part_s, grow, grow_s, h_u, h_v, tilt, spin_h, spin_w, way_u, way_v)
+    slow = 1.0 + levers[2] * (grow - 1.0)
+    moments = (
+        part, part_s, grow * slow, grow_s * (slow + levers[2] * grow), h_u, h_v, tilt, spin_h, spin_w, way_u, way_v,
+    )  # fmt: skip
     fx0, fxu, fxv, fxw = assembled(fx, linear[0], -LINEAR[0], 0.0, 0.0, scales)
     fy0, fyu, fyv, fyw = assembled(fy, linear[1], 0.0, -LINEAR[0], -LINEAR[1], scales)
-    mx0, mxu, mxv, mxw = assembled(mx, linear[2], 0.0, 0.0, narrow * LINEAR[2], scales)
-    my0, myu, myv, myw = assembled(my, linear[3], 0.0, LINEAR[3], 0.0, scales)
+    mx0, mxu, mxv, mxw = assembled(mx, linear[2], 0.0, 0.0, narrow * levers[0], moments)
+    my0, myu, myv, myw = assembled(my, linear[3], 0.0, levers[1], 0.0, moments)
     mirrored = -1.0 if ux < 0.0 else 1.0
     return (
         mirrored * fx0, turned * fy0, turned * mx0, turned * my0,

@@ -64,6 +64,7 @@ class Creep(IntEnum):
     POLACH = 2
     FASTSIM = 3
     TABLE = 4  # FASTSIM, tabulated
+    FASTRIP = 5  # strip theory and FASTSIM, tabulated
 
 
 PARAM = np.dtype(

@@ -141,13 +141,14 @@ def slip(model, data, step):
     step : time since data.lag was remembered [s]; 0 for creep forces that are settled. Fills data.rail_load and
         data.creep_damping on the way.
     """
-    for w in range(0, model.wheel.size, 2):
-        slip_wheelset(model, data, w, step)
+    for w in range(model.wheel.size):
+        if w == 0 or model.wheel[w]["body"] != model.wheel[w - 1]["body"]:
+            slip_wheelset(model, data, w, step)
 
 
 @kernel
 def slip_wheelset(model, data, first, step):
-    """`slip` of the wheelset whose wheels are first and first + 1 (or first alone, without another), at data.v."""
+    """`slip` of the body whose wheels are first and first + 1 (or first alone, without another), at data.v."""
     block = data.creep_damping
     i = model.wheel[first]["body"]
     for a in range(6):
@@ -155,6 +156,8 @@ def slip_wheelset(model, data, first, step):
         for b in range(6):
             block[i, a, b] = 0.0
     for w in range(first, min(first + 2, model.wheel.size)):
+        if model.wheel[w]["body"] != i:
+            continue
         if data.yielded.shape[0] == 0:
             slip_wheel(model, data, w, step, 0.0, 0.0, block, i)
         else:
@@ -237,8 +240,10 @@ def settle_drag(model, data, step, reach, lead):
             break
         for w in range(data.yielded.shape[0]):
             data.dragged[w, 0], data.dragged[w, 1] = data.support[w]["drag"][0], data.support[w]["drag"][1]
-        for w in range(0, model.wheel.size, 2):
+        for w in range(model.wheel.size):
             i = model.wheel[w]["body"]
+            if w > 0 and i == model.wheel[w - 1]["body"]:
+                continue
             for a in range(6):
                 data.load[i, a] -= data.rail_load[i, a]
         status = press(model, data, reach, lead)

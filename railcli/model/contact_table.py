@@ -3,21 +3,23 @@
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
 from railcli.errors import InputError
 from railcli.kernels.layout import PATCH_ROWS, TABLE
 
-from .profile import TAPE_TO_BACK
+from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .submodels import NORMAL_LAWS, choose
 
 VERSION = 2  # of the table's meaning; a table of another version is refused
 
+SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
     "flange_back": (0.4, 2.0, "m"),
+    "tape_to_back": (*TAPE_LIMITS, "m"),
     "radius": (0.1, 1.0, "m"),
     "y_range": (0.001, 0.1, "m"),
     "y_step": (1e-6, 1e-3, "m"),
@@ -39,10 +41,12 @@ class TableSettings:
     Attributes
     ----------
     inclination : float
-        Rail inclination 1:n as n; 0 for an upright rail.
+        Rail inclination 1:n as n, which is given to the rail's profile; 0: the rail stands as in its profile.
     gauge, flange_back, radius : float
         Track gauge (at 14 mm below the top of the inclined rail), distance of the flange backs, wheel radius at the
         tape circle [m].
+    tape_to_back : float
+        Distance of the tape circle, the origin of wheel profiles, from the flange back [m].
     y_range, y_step : float
         Lateral position of the wheel's reference point about nominal: half range and step [m].
     roll_range, roll_step : float
@@ -65,6 +69,7 @@ class TableSettings:
     inclination: float = 20.0
     gauge: float = 1.435
     flange_back: float = 1.360
+    tape_to_back: float = TAPE_TO_BACK
     radius: float = 0.460
     y_range: float = 0.020
     y_step: float = 0.05e-3
@@ -85,7 +90,8 @@ class TableSettings:
                 raise InputError(f"contact table: {key}", f"must lie in {low:g} ... {high:g} {unit}, got {value:g}")
         if not (self.inclination == 0 or 5 <= abs(self.inclination) <= 1000):
             raise InputError(
-                "contact table: inclination", f"1:n needs n of 5 ... 1000, or 0 for upright; got {self.inclination:g}"
+                "contact table: inclination",
+                f"1:n needs n of 5 ... 1000, or 0 for a rail as in its profile; got {self.inclination:g}",
             )
         choose(NORMAL_LAWS, "contact table: normal", self.normal)
         if self.patches and self.pressed:
@@ -99,7 +105,7 @@ class TableSettings:
     @property
     def lateral(self):
         """Distance of the tape circle from the wheelset's centre [m]."""
-        return 0.5 * self.flange_back + TAPE_TO_BACK
+        return 0.5 * self.flange_back + self.tape_to_back
 
     @property
     def y_count(self):
@@ -113,6 +119,10 @@ class TableSettings:
     def positions(self):
         """Number of wheel poses in the grid."""
         return self.y_count * self.roll_count * self.yaw_count
+
+    def on(self, *rails):
+        """These settings for rail profiles; their inclination is 0 where all of them include it already."""
+        return replace(self, inclination=0.0) if all(rail.inclined for rail in rails) else self
 
     def as_dict(self):
         return asdict(self)
@@ -156,11 +166,26 @@ class Mounting:
         )  # fmt: skip
 
 
+def check_tape(wheel, tape_to_back):
+    """Raise an InputError if a wheel profile counts from another tape circle [m from the flange back]."""
+    own = wheel.tape_to_back
+    if own is not None and abs(own - tape_to_back) > SAME_TAPE:
+        raise InputError(
+            wheel.name,
+            f"counts from a tape circle {own * 1e3:g} mm from the flange back, needed: {tape_to_back * 1e3:g} mm; give "
+            f"--tape-to-back {own * 1e3:g} (in a scenario: contact.tape_to_back_mm = {own * 1e3:g}), or import the "
+            f"wheel with --tape-to-back {tape_to_back * 1e3:g}",
+        )
+
+
 def mount(wheel, rail, settings):
     """Place a right-hand wheel and rail profile against each other.
 
-    Gauge is measured between the innermost points of both inclined rails down to 14 mm below their top.
+    Gauge is measured between the innermost points of both inclined rails down to 14 mm below their top. A rail whose
+    profile includes its inclination is not inclined again.
     """
+    check_tape(wheel, settings.tape_to_back)
+    settings = settings.on(rail)
     angle = -math.atan(1.0 / settings.inclination) if settings.inclination else 0.0
     inclined = rail.rotated(angle)
     y_gauge, z_top = inclined.gauge_point()

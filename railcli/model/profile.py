@@ -1,14 +1,15 @@
 """The cross-section of a rail or wheel as one smooth plane curve.
 
 Axes: right-hand rail and wheel in track axes, y to the field side, z down [m]. A rail's origin is the crown of its
-symmetric, uninclined head; a wheel's origin lies on the tape circle, 70 mm from the flange back. The curve is walked
-from the gauge side to the field side; its tangent angle is atan2(dz, dy), and positive curvature means that this angle
-grows. So a rail's head has positive curvature, the convex parts of a wheel (flange tip) negative, its root positive.
+symmetric, uninclined head; a wheel's origin lies on the tape circle, usually 70 mm from the flange back. The curve is
+walked from the gauge side to the field side; its tangent angle is atan2(dz, dy), and positive curvature means that this
+angle grows. So a rail's head has positive curvature, the convex parts of a wheel (flange tip) negative, its root
+positive.
 """
 
 import hashlib
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,11 @@ import numpy as np
 from railcli.errors import InputError
 
 KINDS = ("rail", "wheel")
-TAPE_TO_BACK = 0.070  # from the tape circle to the flange back [m], EN 13715
+TAPE_TO_BACK = 0.070  # from the tape circle to the flange back unless another is said [m], EN 13715
+TAPE_LIMITS = 0.055, 0.085  # of that distance [m]
 FLANGE_THICKNESS_HEIGHT = 0.010  # flange thickness is taken this far below the tape circle [m], EN 13715
 QR_BELOW_TIP = 0.002  # upper point of qR below the flange tip [m], EN 13715
+LEAN_REACH = 0.010  # where the lean of a head is seen, to both sides of its middle [m]
 STEP = 0.05e-3  # grid of `graph` [m]
 SLOPE_LIMIT = math.tan(math.radians(80.0))
 WINDOW = 1.0e-3  # arc length over which `graph` averages curvature [m]
@@ -53,6 +56,10 @@ class Profile:
         Nodes [m], from the gauge side to the field side.
     angle : array (n,)
         Tangent angles atan2(dz, dy) at the nodes [rad].
+    inclined : bool or None
+        Of a rail: whether it stands in these axes with its inclination (True) or upright (False); None: not known.
+    tape_to_back : float or None
+        Of a wheel: from its tape circle, the origin, to its flange back [m]; None: not known.
 
     Attributes
     ----------
@@ -65,6 +72,8 @@ class Profile:
     y: np.ndarray = field(repr=False)
     z: np.ndarray = field(repr=False)
     angle: np.ndarray = field(repr=False)
+    inclined: bool | None = None
+    tape_to_back: float | None = None
     arc: np.ndarray = field(init=False, repr=False)
     _cubic: np.ndarray = field(init=False, repr=False)
 
@@ -94,7 +103,7 @@ class Profile:
         object.__setattr__(self, key, array)
 
     @classmethod
-    def from_points(cls, name, kind, y, z, angle=None):
+    def from_points(cls, name, kind, y, z, angle=None, inclined=None, tape_to_back=None):
         """Profile through points [m]; without `angle` [rad] the tangents come from the neighbours.
 
         The tangent at a point is that of the circle through it and its two neighbours (at an end: through the last
@@ -104,7 +113,7 @@ class Profile:
         y, z = np.asarray(y, dtype=float), np.asarray(z, dtype=float)
         if angle is None:
             angle = _circle_tangents(name, y, z)
-        return cls(name, kind, y, z, angle)
+        return cls(name, kind, y, z, angle, inclined, tape_to_back)
 
     def at(self, sigma):
         """Point of the curve at arc length `sigma` [m]; beyond its ends, the end point.
@@ -129,19 +138,19 @@ class Profile:
         ``rail.rotated(-math.atan(1 / n))``.
         """
         c, s = math.cos(angle), math.sin(angle)
-        return Profile(self.name, self.kind, c * self.y - s * self.z, s * self.y + c * self.z, self.angle + angle)
+        return replace(self, y=c * self.y - s * self.z, z=s * self.y + c * self.z, angle=self.angle + angle)
 
     def translated(self, dy, dz):
         """The profile moved by `dy`, `dz` [m]."""
-        return Profile(self.name, self.kind, self.y + dy, self.z + dz, self.angle)
+        return replace(self, y=self.y + dy, z=self.z + dz)
 
     def mirrored(self):
         """The profile with y reversed (right hand to left hand and back), still walked towards growing y."""
-        return Profile(self.name, self.kind, -self.y[::-1], self.z[::-1], -self.angle[::-1])
+        return replace(self, y=-self.y[::-1], z=self.z[::-1], angle=-self.angle[::-1])
 
     def digest(self):
-        """SHA-256 (hexadecimal) over kind and nodes; the name does not enter."""
-        digest = hashlib.sha256(self.kind.encode())
+        """SHA-256 (hexadecimal) over kind, nodes and whether it is inclined already; the name does not enter."""
+        digest = hashlib.sha256(self.kind.encode() + (b", inclined" if self.inclined else b""))
         for array in (self.y, self.z, self.angle):
             digest.update(array.astype("<f8").tobytes())
         return digest.hexdigest()
@@ -213,13 +222,21 @@ class Profile:
         y_inner = self._lowest(0, start, top, t_level, t_top)[2]
         return y_inner, z_top
 
+    @property
+    def lean(self):
+        """Angle of the middle of a rail's head from the horizontal [rad], positive inwards (gauge side down)."""
+        middle = (self.y.min() + self.y.max()) / 2.0
+        low, high = np.interp([middle - LEAN_REACH, middle + LEAN_REACH], np.maximum.accumulate(self.y), self.z)
+        return float(np.arctan2(low - high, 2.0 * LEAN_REACH))
+
     def flange_dimensions(self):
         """Flange height, thickness, qR and the rim's width of a wheel [m]; see `FlangeDimensions`.
 
-        The height is that of the flange tip over the tape circle; the thickness runs from the flange back, 70 mm from
-        the tape circle, to the flank 10 mm below the tape circle; qR is the lateral distance from there to the point of
-        the flank 2 mm below the flange tip; the width is the extent of the profile.
+        The height is that of the flange tip over the tape circle; the thickness runs from the flange back (70 mm from
+        the tape circle if the profile does not know) to the flank 10 mm below the tape circle; qR is the lateral
+        distance from there to the point of the flank 2 mm below the flange tip; the width is the extent of the profile.
         """
+        back = TAPE_TO_BACK if self.tape_to_back is None else self.tape_to_back
         tape = self._crossing(0, 0.0, np.arange(self.y.size - 1))
         if tape is None or self.kind != "wheel":
             raise InputError(self.name, "flange dimensions need a wheel whose profile passes the tape circle, y = 0")
@@ -233,7 +250,7 @@ class Profile:
             raise InputError(self.name, f"the flange is only {height * 1e3:.1f} mm high: too low for its dimensions")
         y_lower, y_upper = self._evaluate(*lower)[0][0], self._evaluate(*upper)[0][0]
         width = self.y.max() - self.y.min()
-        return FlangeDimensions(float(height), float(TAPE_TO_BACK + y_lower), float(y_lower - y_upper), float(width))
+        return FlangeDimensions(float(height), float(back + y_lower), float(y_lower - y_upper), float(width))
 
     # Segments: arrays of indices `segment` with parameters t in 0..1
 

@@ -14,7 +14,7 @@ from railcli.kernels.layout import CURVE_KNOTS
 from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
 from .irregularity import Source
 from .limits import Limits
-from .profile import TAPE_TO_BACK
+from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .rails import course
 from .sections import Gradient
 from .submodels import CREEP_LAWS, NORMAL_LAWS
@@ -134,9 +134,12 @@ class Contact(Description):
     rail_profile: Place = "UIC60"
     left_wheel_profile: Place | None = None  # as a right-hand profile; None: the right one
     left_rail_profile: Place | None = None
-    inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: upright
+    inclination: Annotated[Real, Field(ge=0.0, le=1000.0)] = 20.0  # 1 in ...; 0: as in the profile
     gauge: Annotated[Real, Field(ge=0.5, le=2.0)] = Field(1.435, alias="gauge_m")
     flange_back: Annotated[Real, Field(ge=0.4, le=1.95)] = Field(1.360, alias="flange_back_m")
+    tape_to_back: Annotated[Real, Field(ge=TAPE_LIMITS[0], le=TAPE_LIMITS[1])] = Field(
+        TAPE_TO_BACK, alias="tape_to_back_m"
+    )
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
     creep_law: one_of(CREEP_LAWS) = "table"
     friction_ratio: Annotated[Positive, Field(le=1.0)] = 1.0  # at infinite over that at zero slip velocity
@@ -156,7 +159,7 @@ class Contact(Description):
     def _fits_together(self):
         if 0.0 < self.inclination < STEEPEST_INCLINATION:
             raise ValueError(
-                f"inclination means 1 in ...: must be 0 (upright) or >= {STEEPEST_INCLINATION:g}, "
+                f"inclination means 1 in ...: must be 0 (as in the profile) or >= {STEEPEST_INCLINATION:g}, "
                 f"got {self.inclination:g}"
             )
         for key, law in OF_ONE_LAW.items():
@@ -189,7 +192,7 @@ class Contact(Description):
     @property
     def tape_circle(self):
         """Distance of the tape circles from the middle of the wheelset [m]."""
-        return self.flange_back / 2.0 + TAPE_TO_BACK
+        return self.flange_back / 2.0 + self.tape_to_back
 
 
 class Start(Description):
@@ -251,7 +254,7 @@ class Scenario(Description):
             )
         gradient_course(self.track, self.gradients)
         right, left = self.contact.sides
-        radii = [self.vehicle.bodies[i].wheel_radii for i in self.vehicle.wheelsets]
+        radii = self.vehicle.wheel_radii
         if right[2] and right[2] == left[2] and (right != left or any(one != other for one, other in radii)):
             raise ValueError("contact.table: is for one side, and the sides differ; give contact.left_table as well")
         for section in self.track.sections:

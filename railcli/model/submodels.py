@@ -46,6 +46,11 @@ CREEP_LAWS = {
         "the simplified theory from a table; recommended",
         "as fastsim, extrapolated to elements of no length",
     ),
+    "fastrip": Choice(
+        Creep.FASTRIP,
+        "strip theory in adhesion, simplified theory in slip, from a table; nearest to the full solution",
+        "after Sichani, Enblom and Berg (2016), Vehicle System Dynamics 54, 748-764; theory.md 7.10",
+    ),
 }
 
 NORMAL_LAWS = {  # value: whether the contact table holds patches
@@ -58,6 +63,7 @@ NORMAL_LAWS = {  # value: whether the contact table holds patches
         "Kik and Piotrowski (2008), Vehicle System Dynamics 46, 27-48; corrected to be Hertz's for constant curvature",
     ),
 }
+
 
 class Shape(NamedTuple):
     """Rise from 0 to 1 over 0 to 1, cubic by cubic."""

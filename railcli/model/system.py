@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railcli.kernels.creep_table import CHANNELS, GRID, tabulate
+from railcli.kernels.creep_table import CHANNELS, tabulate
 from railcli.kernels.layout import CURVE, PARAM, Creep, Model, freeze, new_data
 
 from . import rails as rails_model
@@ -55,7 +55,8 @@ class System:
         data = new_data(self.model, q, self.damper.size)
         data.damper[:] = self.damper
         data.v[:, 0] = self.speed
-        data.v[self.model.wheel["body"][::2], 4] = -self.speed / self.mean_radii
+        spins = self.model.body["spins"] == 1
+        data.v[spins, 4] = -self.speed / self.radii[spins]
         return data
 
     def stepped(self, step):
@@ -88,9 +89,12 @@ class System:
         return replace(self, model=freeze(self.model._replace(param=param)))
 
     @property
-    def mean_radii(self):
-        """Mean radius of the two tape circles of each wheelset [m]."""
-        return self.model.wheel["radius"].reshape(-1, 2).mean(axis=1)
+    def radii(self):
+        """Mean radius of the tape circles of each body [m]; NaN without wheels."""
+        found = np.full(self.model.body.size, np.nan)
+        for i in set(self.model.wheel["body"].tolist()):
+            found[i] = self.model.wheel["radius"][self.model.wheel["body"] == i].mean()
+        return found
 
 
 class Pairing(NamedTuple):
@@ -105,7 +109,7 @@ class Pairing(NamedTuple):
 def pairings(scenario):
     """The Pairing of every wheel, in the order of the core: right and left wheel of each wheelset."""
     sides = scenario.contact.sides
-    radii = (scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets)
+    radii = scenario.vehicle.wheel_radii
     return [Pairing(*side, radius) for pair in radii for side, radius in zip(sides, pair, strict=True)]
 
 
@@ -127,6 +131,7 @@ def table_settings(scenario, radius):
         inclination=contact.inclination,
         gauge=contact.gauge,
         flange_back=contact.flange_back,
+        tape_to_back=contact.tape_to_back,
         radius=radius,
         young=contact.young,
         poisson=contact.poisson,
@@ -184,7 +189,8 @@ def parameters(scenario):
 @cache
 def creep_table(law):
     """What a creep law needs beside the contact tables; the same for all ellipses, materials and friction."""
-    return tabulate(GRID) if CREEP_LAWS[law].value == Creep.TABLE else np.zeros((0, CHANNELS))
+    value = CREEP_LAWS[law].value
+    return tabulate(int(value)) if value in (Creep.TABLE, Creep.FASTRIP) else np.zeros((0, CHANNELS))
 
 
 def assemble(scenario, tables):

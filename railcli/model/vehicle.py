@@ -5,7 +5,7 @@ them into arms from the centres of mass (x forward, y right, z down).
 """
 
 from collections.abc import Iterator
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -28,7 +28,8 @@ _AXES = {"mean": Axes.MEAN, "upper": Axes.UPPER}
 
 
 class Body(Description):
-    """A rigid body; one with a wheel radius is a wheelset, whose centre of mass lies on its axle."""
+    """A rigid body; one with a wheel radius is a wheelset, whose centre of mass lies on its axle, or one of two wheels
+    that turn freely of one another on an axle line."""
 
     name: Name
     mass: Annotated[Positive, Field(le=1e7)] = Field(alias="mass_kg")
@@ -39,12 +40,16 @@ class Body(Description):
     wheel_radius: _Radius | None = Field(None, alias="wheel_radius_m")  # at the tape circle
     left_wheel_radius: _Radius | None = Field(None, alias="left_wheel_radius_m")  # where it is not the same
 
+    wheel: Literal["right", "left"] | None = None  # the only one that it has
+
     @model_validator(mode="after")
     def _has_one_height(self):
         if (self.height is None) == (self.wheel_radius is None):
             raise ValueError("give either height_m (of the centre of mass) or, for a wheelset, wheel_radius_m")
         if self.is_wheelset and self.y != 0.0:
             raise ValueError(f"y_m: a wheelset stands in the middle of the track, got {self.y:g} m")
+        if self.wheel and (self.wheel_radius is None or self.left_wheel_radius is not None):
+            raise ValueError("wheel: a body that is one wheel has wheel_radius_m and no left_wheel_radius_m")
         if self.left_wheel_radius is not None:
             if self.wheel_radius is None:
                 raise ValueError("left_wheel_radius_m: only beside wheel_radius_m, the radius of the right wheel")
@@ -85,12 +90,30 @@ class Vehicle(Description):
         for i, name in enumerate(names):
             if name in names[:i]:
                 raise ValueError(f"body[{i + 1}].name: {name!r} is taken by body[{names.index(name) + 1}]")
+        self._check_wheels()
         if not self.wheelsets:
             raise ValueError("no body is a wheelset; give wheel_radius_m to those that are")
         for j, joint in enumerate(self.joints, start=1):
             self._check_pairs(f"joint[{j}].pairs", joint)
         self._check_statics()
         return self
+
+    def _check_wheels(self):
+        for i, body in enumerate(self.bodies):
+            if not body.wheel:
+                continue
+            right, left = (i, i + 1) if body.wheel == "right" else (i - 1, i)
+            pair = self.bodies[max(right, 0) : left + 1]
+            if [one.wheel for one in pair] != ["right", "left"]:
+                raise ValueError(
+                    f"body[{i + 1}].wheel: two wheels on one axle line follow each other, wheel = \"right\" and then "
+                    f"wheel = \"left\"; {body.name!r} has no such neighbour"
+                )
+            if pair[0].x != pair[1].x or abs(pair[0].wheel_radius - pair[1].wheel_radius) > LARGEST_DIFFERENCE:
+                raise ValueError(
+                    f"body[{i + 1}]: two wheels on one axle line have the same x_m and radii within "
+                    f"{LARGEST_DIFFERENCE * 1e3:g} mm; {pair[0].name!r} and {pair[1].name!r} do not"
+                )
 
     def _check_pairs(self, where, joint):
         for p, pair in enumerate(joint.pairs, start=1):
@@ -125,9 +148,20 @@ class Vehicle(Description):
         return tuple(body.name for body in self.bodies)
 
     @property
+    def axle_lines(self):
+        """Indices of the bodies of the right and the left wheel of each axle line, the same one for a wheelset."""
+        right = (i for i, body in enumerate(self.bodies) if body.is_wheelset and body.wheel != "left")
+        return tuple((i, i + 1 if self.bodies[i].wheel else i) for i in right)
+
+    @property
     def wheelsets(self):
-        """Indices of the bodies that are wheelsets, in the order of the file."""
-        return tuple(i for i, body in enumerate(self.bodies) if body.is_wheelset)
+        """Indices of the bodies that are wheelsets, or right wheels of axle lines, in the order of the file."""
+        return tuple(right for right, _ in self.axle_lines)
+
+    @property
+    def wheel_radii(self):
+        """Radii of the right and the left wheel of each axle line [m]."""
+        return tuple((self.bodies[i].wheel_radii[0], self.bodies[k].wheel_radii[1]) for i, k in self.axle_lines)
 
     @property
     def is_dry(self):
@@ -207,8 +241,9 @@ def _statics(vehicle, gravity=STANDARD_GRAVITY):
     for column, place in enumerate(carriers):
         for i, arm, down in ((place.lower, place.lower_arm, 1.0), (place.upper, place.upper_arm, -1.0)):
             matrix[i, :, column] += down, down * arm[1], -down * arm[0]
-    weight[list(vehicle.wheelsets)] = 0.0
-    matrix[list(vehicle.wheelsets), :2] = 0.0
+    on_rails = [i for i, body in enumerate(vehicle.bodies) if body.is_wheelset]
+    weight[on_rails] = 0.0
+    matrix[on_rails, :2] = 0.0
     rows = matrix.reshape(weight.size, len(carriers))
     loads = np.array([getattr(place.element, "preload", 0.0) for place in carriers])
     shares = np.array([place.element.carries_weight for place in carriers], bool)
@@ -225,12 +260,12 @@ def carried(vehicle, gravity):
 
 
 def _on_wheelsets(vehicle, gravity=STANDARD_GRAVITY):
-    """Vertical force and its roll moment on each wheelset at rest, (n_wheelset, 2) [N, N m]."""
+    """Vertical force and its roll moment on each axle line at rest, (n_wheelset, 2) [N, N m]."""
     total = np.array([(gravity * body.mass, 0.0) for body in vehicle.bodies])
     for place, load in carried(vehicle, gravity):
         total[place.lower] += load, load * place.lower_arm[1]
         total[place.upper] -= load, load * place.upper_arm[1]
-    return total[list(vehicle.wheelsets)]
+    return np.array([total[right] + (total[left] if left != right else 0.0) for right, left in vehicle.axle_lines])
 
 
 def static_wheel_loads(vehicle, gravity, tape_circle):
@@ -445,10 +480,9 @@ def _bodies(vehicle):
 
 
 def _wheels(vehicle, tape_circle, friction):
-    array = np.zeros(2 * len(vehicle.wheelsets), WHEEL)
-    for n, i in enumerate(vehicle.wheelsets):
-        radii = vehicle.bodies[i].wheel_radii
-        for row, side, radius in zip(array[2 * n : 2 * n + 2], (1.0, -1.0), radii, strict=True):
-            row["body"], row["side"] = i, side
+    array = np.zeros(2 * len(vehicle.axle_lines), WHEEL)
+    for n, (line, radii) in enumerate(zip(vehicle.axle_lines, vehicle.wheel_radii, strict=True)):
+        for row, body, side, radius in zip(array[2 * n : 2 * n + 2], line, (1.0, -1.0), radii, strict=True):
+            row["body"], row["side"] = body, side
             row["lateral"], row["radius"], row["friction"] = tape_circle, radius, friction
     return array

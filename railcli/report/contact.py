@@ -12,7 +12,7 @@ from railcli.kernels.tabulate import MIN_CURVATURE
 from . import wheelset
 from .figures import BLUE, GREY, ORANGE, PURPLE, VERMILION, draw
 from .text import columns, facts
-from .wheelset import inclination
+from .wheelset import flange_back, inclination
 
 QUANTITIES = {  # channel of the certificate: name, unit
     "gap_um": ("distance D", "um"),
@@ -29,7 +29,7 @@ def title(table):
     s = table.settings
     return (
         f"{table.wheel_name} on {table.rail_name}, inclination {inclination(s)}, gauge {s.gauge * 1e3:g} mm, "
-        f"flange-back {s.flange_back * 1e3:g} mm, wheel radius {s.radius * 1e3:g} mm"
+        f"{flange_back(s)}, wheel radius {s.radius * 1e3:g} mm"
     )
 
 
@@ -54,7 +54,7 @@ def summary(table, certificate, size, cpu_s=None):
     pairs = [
         ("wheel", f"{table.wheel_name} (sha256 {table.wheel_digest[:12]}), radius {s.radius * 1e3:g} mm"),
         ("rail", f"{table.rail_name} (sha256 {table.rail_digest[:12]}), inclination {inclination(s)}"),
-        ("track", f"gauge {s.gauge * 1e3:g} mm, flange-back {s.flange_back * 1e3:g} mm"),
+        ("track", f"gauge {s.gauge * 1e3:g} mm, {flange_back(s)}"),
         ("material", f"E = {s.young / 1e9:g} GPa, Poisson's ratio {s.poisson:g}"),
         ("grid", grid),
         ("wheel positions", f"{s.positions:,}"),

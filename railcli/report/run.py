@@ -111,7 +111,7 @@ def _two_sides(scenario):
             " on ".join(Path(one).name for one in pair) for pair in ((wheel, rail), (left_wheel, left_rail))
         )
         lines.append(("profiles", f"right {right}; left {left}"))
-    radii = [scenario.vehicle.bodies[i].wheel_radii for i in scenario.vehicle.wheelsets]
+    radii = scenario.vehicle.wheel_radii
     if any(right != left for right, left in radii):
         words = []
         for right, left in dict.fromkeys(radii):

@@ -7,6 +7,8 @@ from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 
+from railcli.model.profile import TAPE_TO_BACK
+
 from .figures import BLUE, GREY, VERMILION
 
 SIDES = (("right", BLUE, "-"), ("left", VERMILION, "--"))
@@ -22,8 +24,15 @@ LINES = ListedColormap(colormaps["cividis"](np.linspace(0.0, 0.8, 256)))
 
 
 def inclination(settings):
-    """`1:20`, or `upright`."""
-    return f"1:{settings.inclination:g}" if settings.inclination else "upright"
+    """`1:20`, or `as in the profile`."""
+    return f"1:{settings.inclination:g}" if settings.inclination else "as in the profile"
+
+
+def flange_back(settings):
+    """`flange-back 1360 mm`, and the tape circle where it is not the usual one."""
+    tape = settings.tape_to_back
+    told = "" if tape == TAPE_TO_BACK else f", tape circle {tape * 1e3:g} mm from it"
+    return f"flange-back {settings.flange_back * 1e3:g} mm{told}"
 
 
 def title(names, settings, wheelset, with_roll):
@@ -35,7 +44,7 @@ def title(names, settings, wheelset, with_roll):
     return (
         f"{names['wheel']} on {names['rail']}{', left ' + ' on '.join(left) if left else ''}, "
         f"inclination {inclination(settings)}, gauge {settings.gauge * 1e3:g} mm, "
-        f"flange-back {settings.flange_back * 1e3:g} mm, radius {radius} mm, {'with' if with_roll else 'without'} roll"
+        f"{flange_back(settings)}, radius {radius} mm, {'with' if with_roll else 'without'} roll"
     )
 
 

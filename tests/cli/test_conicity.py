@@ -2,12 +2,15 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
+import tolerances as tol
 from click.testing import CliRunner
 
 from railcli.cli import main
 
+SAMPLES = Path(__file__).parents[1] / "data" / "samples"
 QUICK = ["conicity", "-q", "--inclination", "40", "--amplitude", "2,3"]
 
 
@@ -93,6 +96,27 @@ def test_bad_input_is_one_line(arguments, word):
     result = run("conicity", "-q", *arguments)
     assert result.exit_code == 2, result.output
     assert result.stdout == "" and word in result.stderr and "Traceback" not in result.stderr
+
+
+def test_inclined_rail_is_not_inclined_twice(tmp_path):
+    """The rail of the Manchester benchmark is UIC60 as it stands at 1:40."""
+    rail = tmp_path / "rail.csv"
+    nominal = json.loads(run(*QUICK, "--format", "json").stdout)["amplitudes"]
+    for word in ("included", None):
+        option = ["--inclination", word] if word else []
+        arguments = ["profile", "import", SAMPLES / "MBench_UIC60_v3.prr", *option, "-o", rail, "--overwrite"]
+        assert run(*arguments).exit_code == 0
+        result = run("conicity", "-q", "--rail", rail, "--amplitude", "2,3", "--format", "json")
+        found = [item["conicity"] for item in json.loads(result.stdout)["amplitudes"]]
+        if word:
+            assert result.stderr == ""
+            assert found == pytest.approx([item["conicity"] for item in nominal], rel=tol.SAME_RAIL_CONICITY)
+        else:
+            assert "its head leans by 1.25 degrees" in result.stderr and result.stderr.count("\n") == 1
+            assert max(found) < 0.01
+        refused = run("conicity", "-q", "--rail", rail, "--amplitude", "3", "--inclination", "40")
+        assert refused.exit_code == (2 if word else 0)
+        assert ("leave out inclination 40" in refused.stderr) == bool(word)
 
 
 def test_validate_conicity(tmp_path):

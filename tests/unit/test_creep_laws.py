@@ -8,14 +8,15 @@ import pytest
 import tolerances as tol
 from numpy.testing import assert_allclose
 
-from railcli.kernels import creep, creep_table, fastsim, kalker
+from railcli.kernels import creep, creep_table, fastrip, fastsim, kalker
 from railcli.kernels.layout import PARAM, Creep
 from railcli.model.system import creep_table as table_of
 
 LIMIT, SHEAR, POISSON = 24e3, 82e9, 0.28
 ELLIPSES = {"round": (6e-3, 6e-3), "wide": (3e-3, 12e-3), "long": (8e-3, 1.5e-3), "flange": (9e-3, 0.5e-3)}
 GRID = 10
-LAWS = pytest.mark.parametrize("law", [Creep.POLACH, Creep.FASTSIM, Creep.TABLE], ids=lambda law: law.name)
+TABLED = {Creep.TABLE: "table", Creep.FASTRIP: "fastrip"}
+LAWS = pytest.mark.parametrize("law", [Creep.POLACH, Creep.FASTSIM, *TABLED], ids=lambda law: law.name)
 SHAPES = pytest.mark.parametrize("ellipse", ELLIPSES.values(), ids=ELLIPSES)
 SIZES = (1e-2, 0.3, 1.0, 3.0, 30.0)  # of the creepages, against those whose linear force is the friction limit
 
@@ -34,7 +35,7 @@ def stiffness(ellipse):
 
 def law_at(law, ellipse, creepage, limit=LIMIT, **values):
     """Force and moment (3,), their derivatives (3, 3)."""
-    table = table_of("table") if law == Creep.TABLE else np.zeros((0, creep_table.CHANNELS))
+    table = table_of(TABLED[law]) if law in TABLED else np.zeros((0, creep_table.CHANNELS))
     found = creep.tangential(param(law, **values), table, *ellipse, *stiffness(ellipse), limit, *creepage)
     return np.array(found[:3]), np.array(found[3:]).reshape(3, 3)
 
@@ -95,26 +96,38 @@ def test_table_against_fastsim(ellipse, size):
     assert np.abs(apart[:, 2]).mean() < tol.CREEP_TABLE_MEAN * math.sqrt(ellipse[0] * ellipse[1])
 
 
-def test_table_holds_its_points():
+def point_law(law, ux, uy, wa, narrow):
+    """The integrals at one point, without the table."""
+    if law == Creep.FASTRIP:
+        shape = fastrip.proportions(narrow)
+        return np.array(fastrip.rolling(ux, uy, wa, narrow, shape, creep_table.STRIPS, creep_table.ELEMENTS))
+    coarse, fine = (fastsim.rolling(ux, uy, wa, narrow, n)[:4] for n in (creep_table.GRID, 2 * creep_table.GRID))
+    return 2 * np.array(fine) - coarse
+
+
+@pytest.mark.parametrize("law", TABLED, ids=lambda law: law.name)
+def test_table_holds_its_points(law):
     """At a point of the table nothing is interpolated: creepages and shape from the axes of the module's text."""
-    table, rng = table_of("table"), np.random.default_rng(2)
+    table, rng = table_of(TABLED[law]), np.random.default_rng(2)
     for _ in range(40):
         m, i, j, k = (int(rng.integers(low, n - low)) for low, n in ((1, 21), (0, 17), (0, 17), (1, 9)))
         s = 1 / (1 - m / 20) ** 2 - 1
         way, spin, narrow = 2 * j / 16 - 1, i / 16, (1 - k / 8) / (k / 8)
         ux, uy = s * (1 - spin) * np.array([1 - abs(way), way]) / math.hypot(1 - abs(way), way)
         wa = s * spin / math.hypot(1, narrow)
-        found = creep_table.integrals(table, ux, uy, wa, narrow)[:4]
-        coarse, fine = (fastsim.rolling(ux, uy, wa, narrow, n)[:4] for n in (creep_table.GRID, 2 * creep_table.GRID))
-        assert_allclose(found, 2 * np.array(fine) - coarse, atol=tol.ROUNDING * 100)
+        levers = fastrip.proportions(narrow)[2:] if law == Creep.FASTRIP else creep_table.LEVERS
+        found = creep_table.integrals(table, ux, uy, wa, narrow, levers)[:4]
+        assert_allclose(found, point_law(law, ux, uy, wa, narrow), atol=tol.ROUNDING * 100)
 
 
 @pytest.mark.parametrize("ratio", [1e-9, 1e-3, 0.05, 20.0, 1e3, 1e9])
-def test_table_covers_every_ellipse_and_creepage(ratio):
-    table, rng = table_of("table"), np.random.default_rng(4)
+@pytest.mark.parametrize("law", TABLED, ids=lambda law: law.name)
+def test_table_covers_every_ellipse_and_creepage(law, ratio):
+    table, rng = table_of(TABLED[law]), np.random.default_rng(4)
+    levers = fastrip.proportions(1.0 / ratio)[2:] if law == Creep.FASTRIP else creep_table.LEVERS
     for size in (1e-300, 1e-30, 1e-9, 1.0, 1e9, 1e30):
         for u in rng.normal(size=(20, 3)) * size:
-            found = np.array(creep_table.integrals(table, *u, 1.0 / ratio))
+            found = np.array(creep_table.integrals(table, *u, 1.0 / ratio, levers))
             assert np.isfinite(found).all()
             assert np.hypot(*found[:2]) < 1.0 + tol.CREEP_BOUND
 
@@ -157,6 +170,8 @@ def test_force_without_slip_is_the_linear_one(law, ellipse):
     if law == Creep.POLACH:
         wanted[0, 0], wanted[1, 1], wanted[1, 2] = -math.sqrt(f11 * f22), -math.sqrt(f11 * f22), 0.0
     assert_allclose(tangent[:2] * units(ellipse), wanted * units(ellipse), atol=tol.CREEP_LINEAR * LIMIT)
+    if law == Creep.FASTRIP:
+        assert_allclose(tangent[2], (0.0, f23, -f33), rtol=tol.CREEP_SCALED)
 
 
 @SHAPES
@@ -168,6 +183,10 @@ def test_full_slip_without_spin(law, ellipse):
         assert_allclose(np.hypot(*force[:2]), LIMIT, rtol=tol.CREEP_BOUND)
         if law == Creep.POLACH:
             assert_allclose(force[:2], -LIMIT * np.array([math.cos(way), math.sin(way)]), atol=tol.CREEP_BOUND * LIMIT)
+        if law == Creep.FASTRIP:
+            assert_allclose(
+                force[:2], -LIMIT * np.array([math.cos(way), math.sin(way)]), atol=tol.STRIPS_OPPOSED * LIMIT
+            )
         assert abs(force[2]) < tol.CREEP_MOMENT_LEFT * LIMIT * max(ellipse)
 
 

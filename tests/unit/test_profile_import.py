@@ -10,10 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from railcli.analysis.rigid_contact import COLUMNS, contact_at, wheelset_on
 from railcli.errors import InputError
 from railcli.files.formats import read_points
 from railcli.files.profile_import import ImportSettings, canonical_text, import_profile
 from railcli.files.profiles import load_profile
+from railcli.model.contact_table import TableSettings, mount
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples"
 RAIL, WHEEL = load_profile("UIC60", "rail"), load_profile("ORES1002", "wheel")
@@ -482,3 +484,79 @@ def test_distorted_shapes(tmp_path, kind, swaps, moves, scale):
     path = tmp_path / "shape.txt"
     path.write_text(text(rows * scale))
     survives(path)
+
+
+# Inclination
+
+
+def worn_to_a_lean(slope, at=0.030):
+    """UIC60 worn down to a plane that falls to the gauge side from y = at [m]: points [mm]."""
+    y, z = RAIL.y, np.maximum(RAIL.z, np.interp(at, RAIL.y, RAIL.z) + slope * (at - RAIL.y))
+    return np.column_stack([y, z]) * 1e3
+
+
+@pytest.mark.parametrize("word", ["included", "upright", None])
+def test_word_on_the_inclination_goes_with_the_rail(write, word):
+    inclined = RAIL.rotated(-math.atan(1 / 40))
+    given = write(text(points(inclined)), "rail.csv")
+    found = import_profile(given, ImportSettings(inclination=word))
+    expected = {"included": True, "upright": False, None: None}[word]
+    assert found.profile.inclined is expected
+    canonical = write(canonical_text(found, AUTO), "canonical.csv")
+    assert load_profile(canonical, "rail").inclined is expected
+    assert import_profile(canonical, AUTO).profile.inclined is expected
+    assert any("--inclination included" in advice for advice in found.account["advice"]) == (word is None)
+
+
+def test_word_on_the_inclination_must_be_known(write):
+    path = write("# Inclination: 1:40\n" + text(points(RAIL)), "rail.csv")
+    with pytest.raises(InputError, match=r"line 1: says inclination: '1:40'; allowed: included .* or upright"):
+        load_profile(path, "rail")
+
+
+def test_wheel_has_no_inclination(write):
+    with pytest.raises(InputError, match="--inclination: is for rails"):
+        import_profile(write(text(points(WHEEL))), ImportSettings(inclination="included"))
+
+
+def test_rail_worn_to_a_lean_is_fit_and_its_short_field_side_is_told(write):
+    slope = math.tan(math.radians(8.0))
+    account = import_profile(write(text(worn_to_a_lean(slope))), ImportSettings(kind="rail")).account
+    assert account["unfit"] == []
+    assert account["dimensions"]["lean_degrees"] == pytest.approx(8.0, abs=0.01)
+    assert any("no rail is beyond it" in advice for advice in account["advice"])
+    other_way = import_profile(write(text(worn_to_a_lean(slope) * [-1, 1])), ImportSettings(kind="rail")).account
+    assert len(other_way["unfit"]) == 1
+
+
+# Tape circle
+
+
+def test_same_wheel_rolls_alike_from_whichever_tape_circle_it_counts(write):
+    """The tape circle is a name for one of a wheel's radii: delta-r over y does not change with it."""
+    face = np.column_stack([np.full(20, -70.0), np.linspace(-0.5, 9.0, 20)])
+    given = text(np.vstack([face, points(WHEEL, 1)]) + [66.0, 3.0])  # both origins from the back face
+    radii, first = [], None
+    for tape in (70.0, 73.8):
+        imported = import_profile(write(given), ImportSettings(tape_to_back=tape * 1e-3))
+        wheel = load_profile(write(canonical_text(imported, AUTO)), "wheel")
+        assert wheel.tape_to_back == pytest.approx(tape * 1e-3, abs=1e-12)
+        assert wheel.flange_dimensions().thickness == pytest.approx(32.5e-3, abs=tol.TAPE_THICKNESS)
+        first = first or wheel
+        radius = 0.46 + float(height_over(first, tape * 1e-3 - 70e-3))
+        pair = wheelset_on(TableSettings(tape_to_back=tape * 1e-3, radius=radius, inclination=40.0), wheel, RAIL)
+        assert pair.base == pytest.approx(1.36 + 2e-3 * tape)
+        contact = contact_at(pair)
+        radii.append([contact(y)[k] for y in (1e-3, 3e-3) for k in map(COLUMNS.index, ("r_right", "r_left"))])
+    assert np.ptp(radii[0]) > 0.5e-3
+    assert_allclose(radii[1], radii[0], rtol=0.0, atol=tol.TAPE_RADIUS)
+
+
+def test_wheel_of_another_tape_circle_is_refused(write):
+    wheel = load_profile(write("# tape circle: 73.8 mm from the flange back\n" + text(points(WHEEL))), "wheel")
+    with pytest.raises(InputError, match=r"73.8 mm from the flange back, needed: 70 mm; give --tape-to-back 73.8"):
+        mount(wheel, RAIL, TableSettings())
+    with pytest.raises(InputError, match="line 1: tape circle 700 mm from the flange back; allowed: 55 to 85 mm"):
+        load_profile(write("# tape circle: 700 mm from the flange back\n" + text(points(WHEEL))), "wheel")
+    with pytest.raises(InputError, match="--tape-to-back: is for wheels"):
+        import_profile(write(text(points(RAIL))), ImportSettings(tape_to_back=0.0738))

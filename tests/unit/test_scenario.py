@@ -28,6 +28,7 @@ from railcli.model import (
 )
 from railcli.model.checks import Description
 from railcli.model.submodels import CREEP_LAWS, choose
+from railcli.model.system import table_settings
 
 DOCS = Path(__file__).parents[2] / "docs" / "scenario.md"
 
@@ -71,6 +72,9 @@ def test_published_curve(speed):
     assert (straight.length, transition.length, transition.shape) == (100.0, 100.0, "clothoid")
     assert case.distance == case.track.length and case.average_over == 100.0
     assert (case.contact.gauge, case.contact.flange_back, case.contact.tape_circle) == (1.435, 1.36, 0.75)
+    other = case.varied(contact={"tape_to_back": 0.0738})
+    assert other.contact.tape_circle == pytest.approx(0.7538)
+    assert table_settings(other, 0.46).lateral == other.contact.tape_circle and other.digest() != case.digest()
     assert (case.contact.wheel_profile, case.contact.rail_profile) == ("ORES1002", "UIC60")
     assert case.vehicle.name == "Manchester passenger wagon"
 
@@ -251,7 +255,7 @@ BAD = [
     (
         "[run]",
         "[contact]\ninclination = 0.05\n[run]",
-        "inclination means 1 in ...: must be 0 (upright) or >= 5, got 0.05",
+        "inclination means 1 in ...: must be 0 (as in the profile) or >= 5, got 0.05",
     ),
     ("[run]", "[contact]\ngauge_mm = 1350\n[run]", "contact: no wheelset fits: flange back 1360 mm, gauge 1350 mm"),
     ("[run]", "[contact]\ngauge_m = 1435\n[run]", "contact.gauge_m: must be <= 2 m, got 1435"),
@@ -409,7 +413,7 @@ def test_documented_defaults_of_scenarios():
                     told = told * unit.times / unit.over if unit else told
                     assert told == pytest.approx(field.default, rel=tol.ROUNDING), key
                     checked += 1
-    assert checked == 17
+    assert checked == 18
 
 
 def test_documented_example_loads(load_text):

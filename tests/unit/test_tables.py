@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+import math
 import os
 import shlex
 import subprocess
@@ -17,7 +18,7 @@ from railcli.errors import InputError
 from railcli.files import scenario, tables
 from railcli.files.tables import Expected, check_expected, load, read, save, table_for
 from railcli.kernels import jit
-from railcli.model.contact_table import TableSettings
+from railcli.model.contact_table import TableSettings, mount
 from railcli.model.system import assemble
 
 ROOT = Path(__file__).parents[2]
@@ -188,6 +189,24 @@ def test_every_pairing_of_a_scenario_gets_its_table(profiles, cache, built, monk
     ]  # fmt: skip
     assert len(built) == 3
     assert assemble(case, found).model.wheel["table"].tolist() == [0, 1, 0, 2, 0, 2, 0, 2]
+
+
+def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, cache, monkeypatch, capsys):
+    wheel, rail = profiles
+    leaning = dataclasses.replace(rail.rotated(-math.atan(1 / 40)), inclined=None)
+    included = dataclasses.replace(leaning, inclined=True)
+    assert included.digest() != leaning.digest()
+    for at in (20.0, 0.0):
+        found = mount(wheel, included, TableSettings(inclination=at))
+        wanted = mount(wheel, leaning, TableSettings(inclination=0.0))
+        assert (found.seat, found.rail.tobytes()) == (wanted.seat, wanted.rail.tobytes())
+    case = scenario.load("straight-60")
+    monkeypatch.setattr(tables, "table_for", lambda settings, *_: settings)
+    for item, inclination, warnings in ((included, 0.0, 0), (leaning, 20.0, 1), (rail, 20.0, 0)):
+        known = dataclasses.replace(item)
+        monkeypatch.setattr(tables, "profile_of", lambda _, place, kind, known=known: {"rail": known}.get(kind, wheel))
+        assert {settings.inclination for settings in tables.tables_for(case)} == {inclination}
+        assert capsys.readouterr().err.count("Warning") == warnings
 
 
 def test_a_named_table_of_the_left_side_must_be_for_it(coarse, file, profiles, tmp_path):
