@@ -294,7 +294,7 @@ def test_wheel_without_a_flange(write):
 def test_wheel_counted_from_the_flange_back(write):
     message = refusal(write(text(table(WHEEL) + [70, 0])), "wheel")
     assert "the flange tip is at y = " in message and "allowed: -70 to -35 mm" in message
-    assert "y must count from the tape circle, 70 mm from the flange back" in message
+    assert "y must count from the tape circle, usually 70 mm from the flange back" in message
 
 
 def test_wheel_with_another_zero_of_z(write):

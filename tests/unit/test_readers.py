@@ -261,7 +261,7 @@ def test_changed_scenarios_and_vehicles(tmp_path, run, vehicle):
     if case is not None:
         json.dumps(case.as_dict(), allow_nan=False)
         assert len(case.digest()) == 16
-        assert all(np.isfinite(value) for value in parameters(case)[0])
+        assert all(np.isfinite(value).all() for value in parameters(case)[0])
         packed = pack(case.vehicle, case.run.gravity, case.contact.tape_circle, case.contact.friction)
         assert np.isfinite(packed.rest).all()
         assert np.isfinite(track.pack(case.track)["curvature"]).all()
