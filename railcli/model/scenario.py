@@ -247,6 +247,11 @@ class Scenario(Description):
                 f"run.average_over_m: must be at most the {self.distance:g} m of the run, "
                 f"got {self.run.average_over:g} m"
             )
+        if self.run.output_interval > self.duration * (1.0 + 1e-9):
+            raise ValueError(
+                f"run.output_interval_ms: must be at most {1e3 * self.duration:.6g} ms, the length of the run, "
+                f"got {1e3 * self.run.output_interval:g} ms"
+            )
         if self.vehicle.reach > MARGIN:
             raise ValueError(
                 f"vehicle: a body stands {self.vehicle.reach:g} m from the first one; at most {MARGIN:g} m fit on the "

@@ -245,6 +245,8 @@ BAD = [
     ("= 20", "= 20\nduration_s = 11", "track shorter than the run: 200 m of track, 220 m to run"),
     ("= 20", "= 20\nduration_s = 1\ndistance_m = 9", "run: give either distance_m or duration_s"),
     ("= 20", "= 20\naverage_over_m = 201", "run.average_over_m: must be at most the 200 m of the run, got 201 m"),
+    ("= 20", "= 20\naverage_over_m = 5\ndistance_m = 20\noutput_interval_ms = 2000",
+     "run.output_interval_ms: must be at most 1000 ms, the length of the run, got 2000 ms"),
     ("= 20", "= 20\nspeed_kmh = 72", "run.speed_kmh: 'speed_m_per_s' says the same"),
     ("[run]", '"a\\nb" = 1\n[run]', "a\\nb: unknown key"),
     ("[run]", "[runs]", "runs: unknown key; did you mean 'run'?"),
