@@ -7,10 +7,13 @@ import numpy as np
 
 from railcli.errors import InputError
 from railcli.kernels.branches import PER_CORNER, cut_knots, fill_slopes, join_cells, link_nodes
-from railcli.kernels.layout import NODE_CHANNELS, PATCH_ROWS
+from railcli.kernels.layout import NODE_CHANNELS, PATCH_ROWS, Node
 from railcli.kernels.patch import fill_patches
 from railcli.kernels.tabulate import fill_nodes, solve_orientation
 from railcli.model.contact_table import ContactTable, mount
+from railcli.model.heights import pack
+
+from .build_heights import LEVELS, Columns, store_heights
 
 METHODS = ("simplex", "locus")
 COARSE_STATION = 0.5e-3  # scan of the tread [m]
@@ -48,7 +51,7 @@ def check_fit(mounting, settings):
     found = np.zeros((1, PER_CORNER, 6))
     counts = np.zeros(1, np.int64)
     solve_orientation(
-        1, 0.0, 0.0, 0.0, 0.0, settings.y_step, *mounting.kernel_arguments, stations(mounting), found, counts
+        1, 0.0, 0.0, 0.0, np.zeros(1), *mounting.kernel_arguments, stations(mounting), found, counts
     )
     deepest = found[0, : counts[0]][np.argmin(found[0, : counts[0], 1])] if counts[0] else None
     regions = wheel_regions(mounting)
@@ -60,6 +63,47 @@ def check_fit(mounting, settings):
             f"these profiles let a centred wheel touch {where}, not on its tread or flange root; check gauge and "
             "flange-back",
         )
+
+
+def join(counts, node, basin, shape, steps=None):
+    """Branches of the minima at neighbouring grid poses.
+
+    Parameters
+    ----------
+    counts : int array (n_pose,)
+        Minima of each pose, ordered roll, yaw^2, y (fastest).
+    node : array (n, NODE_CHANNELS)
+        Minima; with steps their slopes of contact angle and place are filled.
+    basin : array (n, 2)
+        Ends of their basins [m].
+    shape : (int, int, int)
+        Numbers of y, roll and yaw^2.
+    steps : (float, float, float), optional
+        Distances of these.
+
+    Returns
+    -------
+    cell, branch : arrays
+        As ContactTable has them.
+    facts : dict
+    """
+    ny, nr, nw = shape
+    first = np.concatenate([[0], np.cumsum(counts)])
+    cell = np.zeros((nr - 1) * (nw - 1) * (ny - 1) + 1, np.int32)
+    link = np.empty((node.shape[0], 3), np.int32)
+    link_nodes(first, node, basin, ny, nr, nw, link)
+    cuts = cut_knots(first, node, link, ny, nr, nw)
+    if steps:
+        fill_slopes(node, link, *steps)
+    capacity = 2 * cell.size + 1000
+    while True:
+        branch = np.empty((capacity, 8), np.int32)
+        count, ended = join_cells(first, node, link, ny, nr, nw, cell, branch)
+        if count <= capacity:
+            break
+        capacity = count
+    facts = {"branches": int(count), "ended": int(ended), "cuts": int(cuts)}
+    return cell, np.ascontiguousarray(branch[:count]), facts
 
 
 def build_table(wheel, rail, settings, method="simplex", progress=None):
@@ -84,8 +128,11 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
     mounting = mount(wheel, rail, settings)
     check_fit(mounting, settings)
     regions, station = wheel_regions(mounting), stations(mounting)
+    if settings.stores_heights:
+        return _with_heights(wheel, rail, settings, method, mounting, regions, station, progress)
     ny, nr, nw = settings.y_count, settings.roll_count, settings.yaw_count
     y_start = -settings.y_step * (ny // 2)
+    y = y_start + settings.y_step * np.arange(ny)
     found, counts = np.zeros((ny, PER_CORNER, 6)), np.zeros(ny, np.int64)
     all_counts = np.zeros(nr * nw * ny, np.int64)
     nodes, basins, patches = [], [], []
@@ -96,8 +143,8 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         for iw in range(nw):
             yaw = settings.yaw_range * math.sqrt(iw / (nw - 1))
             used, full = solve_orientation(
-                METHODS.index(method), mounting.pressed, roll, yaw, y_start, settings.y_step,
-                *mounting.kernel_arguments, station, found, counts,
+                METHODS.index(method), mounting.pressed, roll, yaw, y, *mounting.kernel_arguments, station,
+                found, counts,
             )  # fmt: skip
             evaluations += used
             crowded += full
@@ -119,19 +166,8 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         if progress:
             progress(0.95 * (ir + 1) / nr)
     node, basin = np.concatenate(nodes), np.concatenate(basins)
-    first = np.concatenate([[0], np.cumsum(all_counts)])
-    cell = np.zeros((nr - 1) * (nw - 1) * (ny - 1) + 1, np.int32)
-    capacity = 2 * cell.size + 1000
-    link = np.empty((node.shape[0], 3), np.int32)
-    link_nodes(first, node, basin, ny, nr, nw, link)
-    cuts = cut_knots(first, node, link, ny, nr, nw)
-    fill_slopes(node, link, settings.y_step, settings.roll_step, settings.yaw_range**2 / (nw - 1))
-    while True:
-        branch = np.empty((capacity, 8), np.int32)
-        count, ended = join_cells(first, node, link, ny, nr, nw, cell, branch)
-        if count <= capacity:
-            break
-        capacity = count
+    steps = settings.y_step, settings.roll_step, settings.yaw_range**2 / (nw - 1)
+    cell, branch, joined = join(all_counts, node, basin, (ny, nr, nw), steps)
     table = ContactTable(
         settings=settings,
         wheel_name=wheel.name,
@@ -141,7 +177,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         method=method,
         node=np.concatenate([node, *patches]),
         cell=cell,
-        branch=np.ascontiguousarray(branch[:count]),
+        branch=branch,
     )
     facts = {
         "cpu_s": time.process_time() - began,
@@ -149,9 +185,42 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         "evaluations": int(evaluations),
         "crowded": int(crowded),
         "nodes": int(node.shape[0]),
-        "branches": int(count),
-        "ended": int(ended),
-        "cuts": int(cuts),
+        **joined,
+    }
+    if progress:
+        progress(1.0)
+    return table, facts
+
+
+def _with_heights(wheel, rail, settings, method, mounting, regions, station, progress):
+    """As `build_table`, for a table of heights."""
+    began = time.process_time()
+    columns = Columns(mounting, settings, station)
+    stored = store_heights(columns, settings, METHODS.index(method), progress)
+    places = np.zeros((stored.lateral.size, NODE_CHANNELS))
+    places[:, Node.LATERAL] = stored.lateral
+    cell, branch, joined = join(stored.minima, places, stored.basin, stored.counts)
+    table = ContactTable(
+        settings=settings,
+        wheel_name=wheel.name,
+        rail_name=rail.name,
+        wheel_digest=wheel.digest(),
+        rail_digest=rail.digest(),
+        method=method,
+        node=stored.node,
+        cell=cell,
+        branch=branch,
+        heights=pack(LEVELS, regions, stored.shear, stored.axes, stored.values),
+        counts=stored.counts,
+    )
+    facts = {
+        "cpu_s": time.process_time() - began,
+        "positions": int(np.prod(stored.counts)),
+        "evaluations": int(columns.evaluations),
+        "crowded": int(columns.crowded),
+        "nodes": stored.lateral.size,
+        "solutions": int(columns.solutions),
+        **joined,
     }
     if progress:
         progress(1.0)

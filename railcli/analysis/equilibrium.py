@@ -13,6 +13,7 @@ import numpy as np
 from railcli.errors import SimulationError
 from railcli.kernels.body import own_axes, sines
 from railcli.kernels.contact import look_up
+from railcli.kernels.heights import stored
 from railcli.kernels.layout import MAX_CONTACT, NO_SHIFT, NODE_CHANNELS, SAMPLE_ROWS, Kind, Node, freeze
 from railcli.kernels.step import advance, evaluate
 from railcli.model.rails import constant as constant_rails
@@ -229,9 +230,26 @@ def touching_depth(model, index=0):
     sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
     wheel = model.wheel[index]
     table = model.table[wheel["table"]]
+    if table["levels"] >= 0:
+        return _first_force(model, table, sample, deep)
     if look_up(table, model.node, model.cell, model.branch, 0.0, 0.0, 0.0, deep, sample) < 1:
         raise SimulationError("a centred wheel does not touch its rail within 5 mm of its nominal height")
     return deep - sample[:MAX_CONTACT, Node.GAP].max()
+
+
+def _first_force(model, table, sample, deep):
+    """As `touching_depth`, from a table of heights."""
+
+    def force(depth):
+        return stored(table, model.node, model.cell, model.branch, model.heights, 0.0, 0.0, 0.0, depth, sample)[3]
+
+    low, high = -deep, deep
+    if force(low) > 0.0 or not force(high) > 0.0:
+        raise SimulationError("a centred wheel does not touch its rail within 5 mm of its nominal height")
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if force(middle) > 0.0 else (middle, high)
+    return high
 
 
 def _newton(motion, x, turning):

@@ -45,7 +45,9 @@ def warm_tables(wheel, rail, settings, announce=None):
     tiny = replace(
         settings, y_range=1e-3, y_step=1e-3, roll_range=1e-3, roll_step=1e-3, yaw_range=1e-3, yaw_count=2
     )
-    certify(build_table(wheel, rail, tiny)[0], wheel, rail, poses=1)
+    table = build_table(wheel, rail, tiny)[0]
+    if not settings.stores_heights:
+        certify(table, wheel, rail, poses=1)
 
 
 def _is_kept(name):

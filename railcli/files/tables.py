@@ -17,8 +17,9 @@ from railcli.analysis.certify import SEED, certify, shortcomings
 from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
-from railcli.kernels.layout import NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Press
+from railcli.kernels.layout import HEIGHTS, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Part, Press
 from railcli.model.contact_table import VERSION, ContactTable, TableSettings, check_tape, table_key
+from railcli.model.heights import LEAST, knots_of, places
 from railcli.model.system import needed, table_settings
 
 from . import seal
@@ -34,9 +35,13 @@ SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
 ARRAYS = {
     "node": "contact points at grid poses, one row each; columns: attribute 'channels'. With normal 'kp' behind them "
-    "their patches, two rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'",
+    "their patches, two rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'; with "
+    "normal 'overlap' two rows each: for every w the values of attribute 'patch'",
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
+    "heights": "of normal 'overlap' alone: rows of w = U^0.4 [J^0.4], weights of slopes, parts of the wheel [m], shears of "
+    "the grid; then knots of sheared y [m], roll [rad] and yaw^2 [rad^2], attribute 'knots' of them, each followed by "
+    "the cubics of its splines; then their coefficients [m], ordered roll, yaw^2, y",
 }
 UNITS = (
     "-, 1/m, -, m/rad, 1/rad, m/rad, m/rad^2, 1/rad^2, m/rad^2, "
@@ -149,7 +154,9 @@ def save(table, path, certificate=None):
         file["node"].attrs["units"] = UNITS
         if table.settings.patches:
             file["node"].attrs["penetrations_m"] = PATCH_PENETRATIONS
-            file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in Press)
+        held = Press if table.settings.patches else Part if table.settings.stores_heights else ()
+        file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in held)
+        file["heights"].attrs["knots"] = table.counts
 
 
 def load(path, expect=None):
@@ -186,7 +193,9 @@ def read(path):
                 raise InputError(
                     path, f"is of version {version}; this railcli reads version {VERSION}; {_build_again(path)}"
                 )
-            arrays = {name: file[name][()] for name in ARRAYS}
+            arrays = {name: file[name][()] for name in ARRAYS if name in file}
+            if "heights" in file:
+                arrays["counts"] = tuple(int(count) for count in file["heights"].attrs["knots"])
         settings = TableSettings(**json.loads(attributes["settings"]))
         certificate = json.loads(attributes["certificate"])
         table = ContactTable(
@@ -233,11 +242,15 @@ def _build_again(path):
 def _inconsistency(table):
     """What is wrong with the arrays of a table, in words; empty when the core can read nothing outside them."""
     s, node, cell, branch = table.settings, table.node, table.cell, table.branch
-    cells = (s.y_count - 1) * (s.roll_count - 1) * (s.yaw_count - 1)
+    if len(table.counts) != 3 or min(table.counts) < (LEAST if s.stores_heights else 2):
+        return f"{table.counts} are no counts of knots"
+    cells = math.prod(count - 1 for count in table.counts)
+    rows = places(table.counts)[1] if s.stores_heights else 0
     layout = {
         "node": (np.float64, (node.shape[0], NODE_CHANNELS)),
         "cell": (np.int32, (cells + 1,)),
         "branch": (np.int32, (branch.shape[0], 8)),
+        "heights": (np.float64, (rows, HEIGHTS)),
     }
     for name, (dtype, shape) in layout.items():
         array = getattr(table, name)
@@ -249,8 +262,12 @@ def _inconsistency(table):
         return f"branch points outside the {table.points} nodes"
     if s.patches and node.shape[0] != table.points * (1 + PATCH_ROWS):
         return f"{node.shape[0]} rows of node are no nodes with their patches"
-    if not np.isfinite(node).all():
+    if s.stores_heights and node.shape[0] % PATCH_ROWS:
+        return f"{node.shape[0]} rows of node are no parts of contacts"
+    if not (np.isfinite(node).all() and np.isfinite(table.heights).all()):
         return "a node is not a finite number"
+    if s.stores_heights and not all((np.diff(knots) > 0.0).all() for knots in knots_of(table.heights, table.counts)):
+        return "knots do not rise"
     return ""
 
 
@@ -330,7 +347,7 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
         table, facts = build_table(
             wheel, rail, settings, method, lambda share: progress.update(share * settings.positions)
         )
-    if not poses:
+    if not poses or settings.stores_heights:
         return table, facts, {}
     certificate = measure(table, wheel, rail, poses, quiet, seed)
     if found := shortcomings(certificate):

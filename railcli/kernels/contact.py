@@ -6,9 +6,10 @@ mirrored: lateral position, roll and yaw change sign, and so does the slope that
 
 from math import isfinite, sqrt
 
-from .jit import kernel
+from .heights import REGIONS, stored
+from .jit import kernel, seldom
 from .kalker import stiffness
-from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Press, Status
+from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Part, Press, Status
 from .rows import mix, mix_bent
 from .shift import IDEAL, along_bent, course, rail_axes, shift_rail, turned
 from .trig import arc_sine
@@ -44,6 +45,12 @@ PRESS_SEMI_Y = Press.SEMI_Y.value
 PRESS_LATERAL = Press.LATERAL.value
 PRESS_SLOPE = Press.SLOPE.value
 PRESS_RADIUS = Press.RADIUS.value
+SHARE = Part.SHARE.value
+SHARED_SLOPE = Part.SLOPE.value
+SHARED_LATERAL = Part.LATERAL.value
+SHARED_RADIUS = Part.RADIUS.value
+SHARED_SEMI_X = Part.SEMI_X.value
+SHARED_SEMI_Y = Part.SEMI_Y.value
 PART = Node.GAP_Y.value  # of a sample: weight of the corners that have the branch, 1 where it does not end
 
 
@@ -312,9 +319,9 @@ def touch_wheel(model, data, w, give_y, give_z, rate_y, rate_z):
     give_y, give_z : how far its rail gives way, to the right and down [m].  rate_y, rate_z : how fast [m/s].
     """
     param = model.param[0]
-    sample = data.sample
     shifted = model.shift.shape[0] > 0
     wheel, rail = model.wheel[w], data.rail[w]
+    table = model.table[wheel["table"]]
     body, side = wheel["body"], wheel["side"]
     frame = data.frame[body]
     sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
@@ -330,8 +337,12 @@ def touch_wheel(model, data, w, give_y, give_z, rate_y, rate_z):
     else:
         y, z = enter(side, wheel["lateral"], wheel["radius"], y, z, sr, cr, cy)
         roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
-    found = look_up(model.table[wheel["table"]], model.node, model.cell, model.branch, y, roll, yaw, z, sample)
     rail["x"], rail["y"], rail["q"], rail["patches"] = 0.0, 0.0, 0.0, 0.0
+    rail["couple"][0], rail["couple"][1], rail["couple"][2] = 0.0, 0.0, 0.0
+    if table["levels"] >= 0:
+        found = touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z)
+    else:
+        found = touch_branches(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z)
     for j in range(max(found, 0), MAX_CONTACT):
         data.contact[w, j]["normal"] = 0.0
         data.contact[w, j]["depth"] = 0.0
@@ -344,39 +355,153 @@ def touch_wheel(model, data, w, give_y, give_z, rate_y, rate_z):
     if z < -param["derail_lift"]:
         data.fault[0] = w
         return Status.DERAILED.value
-    turn = (data.rate[body, 3] * cy, data.rate[body, 3] * sy, data.rate[body, 5])
+    rail["patches"] = found
+    return Status.OK.value
+
+
+@kernel
+def touch_branches(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
+    """Patches of wheel w at the minima of the difference surface; returns how many, as `look_up`."""
+    param, wheel, sample = model.param[0], model.wheel[w], data.sample
+    found = look_up(model.table[wheel["table"]], model.node, model.cell, model.branch, y, roll, yaw, z, sample)
+    if found > MAX_CONTACT:
+        return found
     for j in range(found):
-        slope = side * sample[j, SLOPE]
+        slope = wheel["side"] * sample[j, SLOPE]
         cosine = 1.0 / sqrt(1.0 + slope * slope)
-        normal = (0.0, -slope * cosine, cosine)
-        if shifted:
-            normal = turned(axes, normal)
-        lean = dot(normal, axle)
-        radius, out = sample[j, RADIUS], side * (wheel["lateral"] + sample[j, LATERAL])
-        down = radius / sqrt(1.0 - lean * lean)
-        along = out - down * lean
-        arm = add(scale(along, axle), scale(down, normal))
-        if shifted:
-            arm = along_bent(rail, axes, normal, arm, down)
-        moved = add(cross(turn, arm), (0.0, data.rate[body, 1] - rate_y, data.rate[body, 2] - rate_z))
-        if shifted:
-            moved = sub(moved, scale(data.rate[body, 0], course(rail, arm[0])))
-        approach = dot(normal, moved)
+        contact = data.contact[w, j]
+        approach = place_patch(
+            model, data, w, axes, axle, contact, slope, sample[j, LATERAL], sample[j, RADIUS], rate_y, rate_z
+        )
         elastic = elastic_share(sample, found, j, cosine)
         depth = sample[j, GAP] * cosine
         if elastic < power_1_5(depth):
             depth = elastic ** (2.0 / 3.0)
         root = sqrt(depth)
-        contact = data.contact[w, j]
-        contact["normal"] = normal_force(param, sample[j, HERTZ], elastic, approach)
+        push(param, contact, sample[j, HERTZ], elastic, depth, approach)
         contact["semi_x"], contact["semi_y"] = sample[j, SEMI_X] * root, sample[j, SEMI_Y] * root
         contact["f11"], contact["f22"] = sample[j, F11] * depth, sample[j, F22] * depth
         contact["f23"], contact["f33"] = sample[j, F23] * depth * root, sample[j, F33] * depth * depth
         contact["depth"] = sample[j, GAP]
-        contact["slope"] = slope
-        contact["lateral"] = sample[j, LATERAL]
-        contact["radius"] = radius
         contact["region"] = sample[j, REGION]
-        contact["arm"][0], contact["arm"][1], contact["arm"][2] = arm
-    rail["patches"] = found
-    return Status.OK.value
+    return found
+
+
+@seldom
+def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
+    """Patches of wheel w that share the force of a table of heights; returns how many, as `heights.stored`.
+
+    The forces add up to the gradient of the energy exactly, and so do the moments: what the places of the patches leave
+    of them goes into the couple of data.rail.
+    """
+    param, wheel, rail, sample = model.param[0], model.wheel[w], data.rail[w], data.sample
+    table, side = model.table[wheel["table"]], wheel["side"]
+    found, depth, by_y, by_z, by_roll, by_yaw = stored(
+        table, model.node, model.cell, model.branch, model.heights, y, roll, yaw, z, sample
+    )
+    if found <= 0:
+        return found
+    total, mean_y, mean_z = 0.0, 0.0, 0.0
+    for j in range(found):
+        slope, share = sample[j, SHARED_SLOPE], sample[j, SHARE]
+        cosine = 1.0 / sqrt(1.0 + slope * slope)
+        total += share
+        mean_y, mean_z = mean_y - share * cosine * slope, mean_z + share * cosine
+    along = (by_y * mean_y + by_z * mean_z) / (mean_y * mean_y + mean_z * mean_z)
+    rest_y, rest_z = (by_y - along * mean_y) / total, (by_z - along * mean_z) / total
+    forward, axle_rail, down, tape = reference(wheel, axes, axle)
+    turn, swing = -side * by_roll, -side * by_yaw
+    for j in range(found):
+        slope, share = sample[j, SHARED_SLOPE], sample[j, SHARE]
+        cosine = 1.0 / sqrt(1.0 + slope * slope)
+        force_y, force_z = share * (rest_y - along * cosine * slope), share * (rest_z + along * cosine)
+        elastic = sqrt(force_y * force_y + force_z * force_z)
+        slope = -side * force_y / force_z
+        contact = data.contact[w, j]
+        lateral, radius = sample[j, SHARED_LATERAL], sample[j, SHARED_RADIUS]
+        approach = place_patch(model, data, w, axes, axle, contact, slope, lateral, radius, rate_y, rate_z)
+        near = depth / sqrt(1.0 + slope * slope)
+        size = power_1_5(near)
+        push(param, contact, elastic / size, size, near, approach)
+        a, b = sample[j, SHARED_SEMI_X], sample[j, SHARED_SEMI_Y]
+        f11, f22, f23, f33 = stiffness(a, b, table["shear"], table["poisson"])
+        contact["semi_x"], contact["semi_y"] = a, b
+        contact["f11"], contact["f22"], contact["f23"], contact["f33"] = f11, f22, f23, f33
+        contact["depth"] = depth
+        contact["region"] = region(model.heights, table["levels"] + REGIONS, lateral)
+        normal = (0.0, side * force_y, force_z)
+        lever = sub(lever_arm(axle_rail, side * (wheel["lateral"] + lateral), radius, slope), tape)
+        turn += dot(normal, cross(forward, lever))
+        swing += normal[1] * lever[0]
+    couple = add(scale(turn, forward), scale(swing / down[2], down))
+    if model.shift.shape[0] > 0:
+        couple = turned(axes, couple)
+    rail["couple"][0], rail["couple"][1], rail["couple"][2] = couple
+    return found
+
+
+@kernel
+def reference(wheel, axes, axle):
+    """In the axes of the rail: forward, axle and down of the wheelset, and the bottom of the tape circle from its centre."""
+    along, right, below = axes
+    axle = (dot(along, axle), dot(right, axle), dot(below, axle))
+    cr = sqrt(1.0 - axle[2] * axle[2])
+    forward = (axle[1] / cr, -axle[0] / cr, 0.0)
+    down = cross(forward, axle)
+    return forward, axle, down, add(scale(wheel["side"] * wheel["lateral"], axle), scale(wheel["radius"], down))
+
+
+@kernel
+def lever_arm(axle, out, radius, slope):
+    """From the wheelset's centre to a point of contact: out along the axle, radius from it, its normal by slope."""
+    cosine = 1.0 / sqrt(1.0 + slope * slope)
+    normal = (0.0, -slope * cosine, cosine)
+    lean = dot(normal, axle)
+    down = radius / sqrt(1.0 - lean * lean)
+    return add(scale(out - down * lean, axle), scale(down, normal))
+
+
+@kernel
+def region(heights, row, lateral):
+    """Member of `Region` of a profile coordinate on the wheel."""
+    return 0.0 + (lateral < heights[row, 2]) + (lateral < heights[row, 1]) + (lateral < heights[row, 0])
+
+
+@kernel
+def place_patch(model, data, w, axes, axle, contact, slope, lateral, radius, rate_y, rate_z):
+    """Fill the place of a patch; returns the rate of approach there [m/s].
+
+    slope : of the rail, track axes.  lateral, radius : on the wheel [m].  Others: as `touch_wheel`.
+    """
+    shifted = model.shift.shape[0] > 0
+    wheel, rail = model.wheel[w], data.rail[w]
+    body = wheel["body"]
+    frame = data.frame[body]
+    turn = (data.rate[body, 3] * frame["cosine"][2], data.rate[body, 3] * frame["sine"][2], data.rate[body, 5])
+    cosine = 1.0 / sqrt(1.0 + slope * slope)
+    normal = (0.0, -slope * cosine, cosine)
+    if shifted:
+        normal = turned(axes, normal)
+    lean = dot(normal, axle)
+    down = radius / sqrt(1.0 - lean * lean)
+    along = wheel["side"] * (wheel["lateral"] + lateral) - down * lean
+    arm = add(scale(along, axle), scale(down, normal))
+    if shifted:
+        arm = along_bent(rail, axes, normal, arm, down)
+    moved = add(cross(turn, arm), (0.0, data.rate[body, 1] - rate_y, data.rate[body, 2] - rate_z))
+    if shifted:
+        moved = sub(moved, scale(data.rate[body, 0], course(rail, arm[0])))
+    contact["slope"] = slope
+    contact["lateral"] = lateral
+    contact["radius"] = radius
+    contact["arm"][0], contact["arm"][1], contact["arm"][2] = arm
+    return dot(normal, moved)
+
+
+@kernel
+def push(param, contact, hertz, elastic, depth, approach):
+    """Fill the normal force of a patch and its slopes by depth and rate of approach."""
+    normal = normal_force(param, hertz, elastic, approach)
+    contact["normal"] = normal
+    contact["stiffness"] = 1.5 * normal / depth
+    contact["viscosity"] = hertz * elastic * param["damping"]

@@ -18,6 +18,7 @@ CURVE_KNOTS = 32
 NODE_CHANNELS = 24
 PATH_ORDER = 8
 PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
+HEIGHTS = 8  # energies at which a table of heights is kept; w = U^0.4 in J^0.4
 PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 SAMPLE_ROWS = MAX_CONTACT + PATCH_ROWS
 SHIFT_CHANNELS = 8  # right rail: lateral [m], its slope [-], vertical [m], its slope [-]; left rail likewise
@@ -196,6 +197,14 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("branch_base", "i8"),  # where its branches begin in Model.branch
         ("node_base", "i8"),  # where its nodes begin in Model.node
         ("patch_base", "i8"),  # where the patches of its nodes begin, counted from there; -1: Hertz's ellipses
+        ("levels", "i8"),  # first row of its heights in Model.heights, of those of its axes; -1: none
+        ("y_knots", "i8"),
+        ("y_basis", "i8"),
+        ("roll_knots", "i8"),
+        ("roll_basis", "i8"),
+        ("yaw2_knots", "i8"),
+        ("yaw2_basis", "i8"),
+        ("coefficients", "i8"),
         ("shear", "f8"),  # shear modulus of wheel and rail [Pa]
         ("poisson", "f8"),  # [-]
     ],
@@ -244,6 +253,20 @@ class Press(IntEnum):
 
 
 PRESS_CHANNELS = len(Press)
+
+
+class Part(IntEnum):
+    """What the rows of a node of a table of heights hold for each height, in this order (theory.md section 6.8)."""
+
+    SHARE = 0  # of the normal forces of the wheel [-]
+    SLOPE = 1  # tangent of the contact angle of its resultant [-]
+    LATERAL = 2  # profile coordinate of its load on the wheel [m]
+    RADIUS = 3  # distance of that from the axle [m]
+    SEMI_X = 4  # a / w^0.5 [m/J^0.2]
+    SEMI_Y = 5  # b / w^0.5, of the ellipse with its a and area [m/J^0.2]
+
+
+PARTS = len(Part)
 
 
 class Region(IntEnum):
@@ -296,6 +319,8 @@ CONTACT = np.dtype(  # derived: one contact patch; forces on the wheel, contact 
         ("f22", "f8"),  # [N]
         ("f23", "f8"),  # [N m]
         ("f33", "f8"),  # [N m^2]
+        ("stiffness", "f8"),  # of the normal force over the approach [N/m]
+        ("viscosity", "f8"),  # over its rate [N s/m]
     ],
     align=True,
 )
@@ -312,6 +337,7 @@ RAIL = np.dtype(  # derived: force of one wheel on its rail, and how far that ra
         ("vertical_slope", "f8"),
         ("lateral_bend", "f8"),  # [1/m]
         ("vertical_bend", "f8"),
+        ("couple", "f8", 3),  # moment on the wheelset beside that of the forces of its patches [N m]
         ("give", "f8", 2),  # how far it gives way under the wheel beside that: to the right, down [m]
         ("seat", "f8", 2),  # its force on its springs and dampers, to the right, down [N]
     ],
@@ -363,6 +389,7 @@ class Model(NamedTuple):
     node: np.ndarray  # (n_node, NODE_CHANNELS); behind a table's nodes their patches, if any
     cell: np.ndarray  # (n_cell + 1,) first branch of each cell
     branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
+    heights: np.ndarray  # (n, HEIGHTS) tables of heights: `heights.stored`; n = 0: none
     creep: np.ndarray  # (n, 4) creep_table.tabulate; empty unless the creep law needs it
     shift: np.ndarray  # (n, SHIFT_CHANNELS) displacement of the rails at equal distances; n = 0: they lie ideally
     matrix: np.ndarray  # (n, 12, 6) stiffness above damping over x, y, z, roll, pitch, yaw [N/m, N, N m/rad ... and s]
@@ -408,7 +435,7 @@ MODEL_TYPE = types.NamedTuple(
         constant(np.float64, 2),
         constant(np.int32),
         constant(np.int32, 2),
-        *2 * [constant(np.float64, 2)],
+        *3 * [constant(np.float64, 2)],
         constant(np.float64, 3),
     ),
     Model,
@@ -485,6 +512,7 @@ def new_data(model, q, n_damper):
 
 
 NO_SHIFT = np.zeros((0, SHIFT_CHANNELS))  # Model.shift of rails in their ideal place
+NO_HEIGHTS = np.zeros((0, HEIGHTS))
 NO_MATRIX = np.zeros((0, 12, 6))
 
 

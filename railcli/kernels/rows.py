@@ -7,10 +7,11 @@ from numba import types
 from numba.core.cgutils import ir
 from numba.extending import intrinsic
 
-from .layout import NODE_CHANNELS, Node
+from .layout import HEIGHTS, NODE_CHANNELS, Node
 
 WIDTH = 8  # channels summed at a time
 LANE = ir.IntType(32)
+LANES = ir.VectorType(LANE, HEIGHTS)
 VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 VALUE = (0,) * NODE_CHANNELS
 BENT = tuple(  # which of the weights each channel takes: that of the corner, or of its slope over y, roll, yaw^2
@@ -82,3 +83,66 @@ def mix_bent(typingctx, node, n, w, y, roll, yaw2, sample, row):
     if not _are_rows(node, sample):
         return None
     return types.void(node, n, w, y, roll, yaw2, sample, row), _mixer(BENT)
+
+
+def _address(context, builder, kind, array, index, per_row):
+    start = context.make_array(kind)(context, builder, array).data
+    return builder.gep(start, [builder.mul(index, ir.Constant(index.type, per_row))])
+
+
+def _weave(context, builder, signature, arguments):
+    heights, first, per_roll, per_yaw2, *weights, results, row = arguments
+    by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2 = weights
+    start = _address(context, builder, signature.args[0], heights, first, HEIGHTS)
+
+    def times(vector, weight, c):
+        lane = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), builder.extract_value(weight, c), LANE(0))
+        return builder.fmul(vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * HEIGHTS)))
+
+    def add(total, vector, weight, c):
+        term = times(vector, weight, c)
+        return term if total is None else builder.fadd(total, term)
+
+    value = along_y = along_roll = along_yaw2 = None
+    for a in range(4):
+        plain = bent = turned = None
+        for b in range(4):
+            index = builder.add(builder.mul(per_roll, per_roll.type(a)), builder.mul(per_yaw2, per_yaw2.type(b)))
+            height = sloped = None
+            for c in range(4):
+                place = builder.mul(builder.add(index, index.type(c)), index.type(HEIGHTS))
+                vector = builder.load(builder.bitcast(builder.gep(start, [place]), VECTOR.as_pointer()), align=8)
+                height, sloped = add(height, vector, by_y, c), add(sloped, vector, slope_y, c)
+            plain, bent = add(plain, height, by_yaw2, b), add(bent, sloped, by_yaw2, b)
+            turned = add(turned, height, slope_yaw2, b)
+        value, along_y = add(value, plain, by_roll, a), add(along_y, bent, by_roll, a)
+        along_yaw2, along_roll = add(along_yaw2, turned, by_roll, a), add(along_roll, plain, slope_roll, a)
+    out = _address(context, builder, signature.args[-2], results, row, NODE_CHANNELS)
+    for k, vector in enumerate((value, along_y, along_roll, along_yaw2)):
+        at = builder.gep(out, [row.type(k * HEIGHTS)])
+        builder.store(vector, builder.bitcast(at, VECTOR.as_pointer()), align=8)
+    return context.get_dummy_value()
+
+
+@intrinsic
+def weave(
+    typingctx, heights, first, per_roll, per_yaw2,
+    by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2, sample, row,
+):  # fmt: skip
+    """Sum of rows of HEIGHTS numbers over 4 x 4 x 4 products of weights, and the same with one slope in place of each.
+
+    Parameters
+    ----------
+    heights : C-contiguous array (..., HEIGHTS)
+    first, per_roll, per_yaw2 : int
+        Row of the first term; rows from one roll and one yaw^2 to the next, those of y adjoin.
+    by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2 : tuples of four floats
+        Weights along each axis and their derivatives.
+    sample : C-contiguous array (..., NODE_CHANNELS)
+        From its `row` on filled with sum, derivatives by y, roll and yaw^2, HEIGHTS numbers each.
+    row : int
+    """
+    if not _are_rows(heights, sample):
+        return None
+    weights = by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2
+    return types.void(heights, first, per_roll, per_yaw2, *weights, sample, row), _weave

@@ -50,7 +50,7 @@ def slip_wheel(model, data, w, step, rate_y, rate_z, block, k):
     slow = step > 0.0 and speed < param["creep_speed"]
     turn, advance = get(frame["rate"]), get(frame["advance"])
     axes = rail_axes(rail) if shifted else IDEAL
-    force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    force, moment = (0.0, 0.0, 0.0), get(rail["couple"])
     for j in range(patches):
         contact = data.contact[w, j]
         slope = contact["slope"]

@@ -7,14 +7,11 @@ Track axes at the wheelset's own s.
 
 from math import sqrt
 
-from .contact import elastic_share, touch, touch_wheel
+from .contact import touch, touch_wheel
 from .jit import kernel, seldom
-from .layout import Node
 from .shift import rail_axes, turned
 from .slip import slip_wheel
 
-GAP = Node.GAP.value
-HERTZ = Node.HERTZ.value
 TRIES = 60  # of the balance of a rail
 LEFT, LEFT_AT_REST = 1e-2, 1e-6  # force that may stay unbalanced within a step, and where none is taken [N]
 SINK = 1e-3  # largest move of one try [m]
@@ -53,7 +50,7 @@ def solve_pair(yy, yz, zy, zz, y, z):
 @kernel
 def pushed(model, data, w, reach):
     """Normal forces of wheel w on its rail, right and down, and how they fall with the rate of that (yy, yz, zz)."""
-    param, sample, rail = model.param[0], data.sample, data.rail[w]
+    rail = data.rail[w]
     shifted = model.shift.shape[0] > 0
     found = int(rail["patches"])
     y = z = yy = yz = zz = 0.0
@@ -66,9 +63,8 @@ def pushed(model, data, w, reach):
         normal = (0.0, -slope * cosine, cosine)
         if shifted:
             normal = turned(rail_axes(rail), normal)
-        elastic = elastic_share(sample, found, j, cosine)
         y, z = y + n * normal[1], z + n * normal[2]
-        fall = 1.5 * n / elastic ** (2.0 / 3.0) * reach + sample[j, HERTZ] * elastic * param["damping"]
+        fall = contact["stiffness"] * reach + contact["viscosity"]
         yy, yz, zz = (
             yy + fall * normal[1] * normal[1],
             yz + fall * normal[1] * normal[2],

@@ -28,9 +28,9 @@ MIN_CURVATURE = 0.2  # smallest relative lateral curvature; conformal contacts a
 
 @builder
 def solve_orientation(
-    method, pressed, roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
+    method, pressed, roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
 ):
-    """Minima for every lateral position of one orientation.
+    """Minima for every lateral position y (n_y,) [m] of one orientation.
 
     found : (n_y, PER_CORNER, 6), counts : (n_y,) filled as `minima` says.
     Returns the number of evaluations of D and of poses with more than PER_CORNER minima.
@@ -42,7 +42,7 @@ def solve_orientation(
     evaluations, crowded = 0, 0
     for i in range(counts.size):
         total, used = minima(
-            method, pressed, y_start + i * y_step, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
+            method, pressed, y[i], e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
             scan_y, scan_z, lowest, found[i],
         )
         evaluations += used

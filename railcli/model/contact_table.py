@@ -3,18 +3,20 @@
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import PATCH_ROWS, TABLE
+from railcli.kernels.layout import NO_HEIGHTS, PATCH_ROWS, TABLE
 
+from .heights import places
 from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .submodels import NORMAL_LAWS, choose
 
 VERSION = 2  # of the table's meaning; a table of another version is refused
 
+OF_HEIGHTS = "y_knots", "y_basis", "roll_knots", "roll_basis", "yaw2_knots", "yaw2_basis", "coefficients"
 SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
@@ -94,13 +96,18 @@ class TableSettings:
                 f"1:n needs n of 5 ... 1000, or 0 for a rail as in its profile; got {self.inclination:g}",
             )
         choose(NORMAL_LAWS, "contact table: normal", self.normal)
-        if self.patches and self.pressed:
+        if self.pressed and (self.patches or self.stores_heights):
             raise InputError("contact table: pressed", f"must be 0 with normal {self.normal}, which presses by itself")
 
     @property
     def patches(self):
-        """True when the table holds non-Hertzian patches."""
-        return NORMAL_LAWS[self.normal].value
+        """True when the table holds patches by virtual penetration."""
+        return NORMAL_LAWS[self.normal].value == "patches"
+
+    @property
+    def stores_heights(self):
+        """True when the table holds the heights of energies, in place of rigid contact points."""
+        return NORMAL_LAWS[self.normal].value == "heights"
 
     @property
     def lateral(self):
@@ -219,11 +226,16 @@ class ContactTable:
         "simplex" or "locus".
     node : array (n_row, NODE_CHANNELS)
         Contact points at grid poses, channels as `kernels.layout.Node`; with `settings.patches` behind them PATCH_ROWS
-        rows for each, as `kernels.layout.Press`.
+        rows for each, as `kernels.layout.Press`. With `settings.stores_heights` only PATCH_ROWS rows for each, as
+        `kernels.layout.Part`.
     cell : int32 array (n_cell + 1,)
         First branch of each cell, cells ordered roll, yaw^2, y (fastest).
     branch : int32 array (n_branch, 8)
         Node at each corner of the cell (bit 0: y, 1: roll, 2: yaw^2); -1 where the branch ends before it.
+    heights : array (n, HEIGHTS)
+        As `model.heights.pack`; empty unless `settings.stores_heights`.
+    counts : tuple of int
+        Knots of y, roll and yaw^2; of the grid of the settings unless `settings.stores_heights`.
     """
 
     settings: TableSettings
@@ -235,32 +247,38 @@ class ContactTable:
     node: np.ndarray
     cell: np.ndarray
     branch: np.ndarray
+    heights: np.ndarray = field(default_factory=NO_HEIGHTS.copy)
+    counts: tuple = ()
 
     def __post_init__(self):
-        for key in ("node", "cell", "branch"):
+        if not self.counts:
+            s = self.settings
+            object.__setattr__(self, "counts", (s.y_count, s.roll_count, s.yaw_count))
+        for key in ("node", "cell", "branch", "heights"):
             getattr(self, key).flags.writeable = False
 
     @property
     def points(self):
         """Number of contact points."""
-        return self.node.shape[0] // (1 + PATCH_ROWS) if self.settings.patches else self.node.shape[0]
+        rows = PATCH_ROWS if self.settings.stores_heights else 1 + PATCH_ROWS if self.settings.patches else 1
+        return self.node.shape[0] // rows
 
     @property
     def record(self):
         """The TABLE record of this table alone, as a pool of one."""
-        s = self.settings
-        return np.array(
-            [
-                (
-                    -s.y_step * (s.y_count // 2), s.y_step, s.y_count,
-                    -s.roll_step * (s.roll_count // 2), s.roll_step, s.roll_count,
-                    s.yaw_range**2 / (s.yaw_count - 1), s.yaw_count,
-                    0, 0, 0,
-                    self.points if s.patches else -1, 0.5 * s.young / (1.0 + s.poisson), s.poisson,
-                )
-            ],
-            dtype=TABLE,
-        )  # fmt: skip
+        s, record = self.settings, np.zeros(1, TABLE)
+        record["y_start"], record["y_step"] = -s.y_step * (s.y_count // 2), s.y_step
+        record["roll_start"], record["roll_step"] = -s.roll_step * (s.roll_count // 2), s.roll_step
+        record["yaw2_step"] = s.yaw_range**2 / (s.yaw_count - 1)
+        record["y_count"], record["roll_count"], record["yaw2_count"] = self.counts
+        record["patch_base"] = self.points if s.patches else -1
+        record["levels"] = -1
+        record["shear"], record["poisson"] = 0.5 * s.young / (1.0 + s.poisson), s.poisson
+        if s.stores_heights:
+            record["levels"] = 0
+            for key, row in zip(OF_HEIGHTS, places(self.counts)[0], strict=True):
+                record[key] = row
+        return record
 
     @property
     def rigid_record(self):
@@ -276,7 +294,7 @@ class ContactTable:
 
     @property
     def bytes(self):
-        return self.node.nbytes + self.cell.nbytes + self.branch.nbytes
+        return self.node.nbytes + self.cell.nbytes + self.branch.nbytes + self.heights.nbytes
 
 
 def table_key(settings, wheel_digest, rail_digest, method):

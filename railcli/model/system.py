@@ -11,7 +11,7 @@ from railcli.kernels.layout import CURVE, PARAM, Creep, Model, freeze, new_data
 
 from . import rails as rails_model
 from . import vehicle as vehicle_model
-from .contact_table import LIMITS, TableSettings
+from .contact_table import LIMITS, OF_HEIGHTS, TableSettings
 from .stiff import mark_stiff
 from .submodels import CREEP_LAWS, choose
 
@@ -142,22 +142,20 @@ def table_settings(scenario, radius):
 
 
 def pool(tables):
-    """Several contact tables in the arrays of one pool: table, node, cell, branch."""
+    """Several contact tables in the arrays of one pool: table, node, cell, branch, heights."""
     records = np.concatenate([table.record for table in tables])
-    node_base = cell_base = branch_base = 0
+    node_base = cell_base = branch_base = heights_base = 0
     for record, table in zip(records, tables, strict=True):
         record["node_base"], record["cell_base"], record["branch_base"] = node_base, cell_base, branch_base
+        if table.settings.stores_heights:
+            for key in ("levels", *OF_HEIGHTS):
+                record[key] += heights_base
         node_base += table.node.shape[0]
         cell_base += table.cell.shape[0]
         branch_base += table.branch.shape[0]
-    if len(tables) == 1:
-        return records, tables[0].node, tables[0].cell, tables[0].branch
-    return (
-        records,
-        np.concatenate([table.node for table in tables]),
-        np.concatenate([table.cell for table in tables]),
-        np.concatenate([table.branch for table in tables]),
-    )
+        heights_base += table.heights.shape[0]
+    arrays = [[getattr(table, key) for table in tables] for key in ("node", "cell", "branch", "heights")]
+    return records, *(each[0] if len(tables) == 1 else np.concatenate(each) for each in arrays)
 
 
 def hold_gain(mass, step):
@@ -213,7 +211,7 @@ def assemble(scenario, tables):
     kinds = needed(scenario)
     wheel = packed.wheel.copy()
     wheel["table"] = [kinds.index(pairing) for pairing in pairings(scenario)]
-    table, node, cell, branch = pool(tables)
+    table, node, cell, branch, heights = pool(tables)
     param = parameters(scenario)
     shift, param["shift_start"], param["shift_step"] = rails_model.pack(scenario)
     model = Model(
@@ -228,6 +226,7 @@ def assemble(scenario, tables):
         node=node,
         cell=cell,
         branch=branch,
+        heights=heights,
         creep=creep_table(scenario.contact.creep_law),
         shift=shift,
         matrix=packed.matrix,

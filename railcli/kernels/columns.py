@@ -1,0 +1,291 @@
+"""Heights at which a wheel stores given energies, and its patches there: what a table of heights holds (theory.md 6.8).
+
+Right-hand wheel, poses and profile graphs as in `difference`; strips and their law as in `strips`.
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from .branches import PER_CORNER
+from .difference import locus, wheel_axes
+from .jit import builder, kernel
+from .layout import HEIGHTS, NODE_CHANNELS, PARTS, PATCH_ROWS, Part
+from .overlap import OVERLAP, spread
+from .strips import CHI, press
+
+FIRST_DEPTH = 30e-6  # beyond first touch, where the search for the first height begins [m]
+TRIES = 6
+NEAR = 0.03  # difference from a wanted w that a tangent bridges [-]
+RESTART = 0.3  # least share of its depth that a try may keep
+LOOSE = 0.6  # line load over E* h to begin with
+SMALL = 1e-4  # semi-axes over sqrt(w) of a part that never bears
+POWER = 0.4  # w = U^POWER is about proportional to the depth
+
+
+@kernel
+def pressed_to(z, y, e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most,
+               minima, count, row, h, q, chi, work, matrix):  # fmt: skip
+    """Energy and vertical force of a wheel at the height z of T; line loads in q.
+
+    minima : (k, 6) as `difference.minima`, the first `count` of them.  Others: `strips.press`, `overlap.spread`.
+    Returns energy [J], vertical force [N], and how many strips were taken into account.
+    """
+    first, last = strip.size, 0
+    h[:] = 0.0
+    for j in range(count):
+        if minima[j, 1] < z:
+            low, high = spread(minima[j, 0], y, z, e, f, d, r0, seat, wheel, w0, wh, strip, row, h)
+            if low < high:
+                first, last = min(first, low), max(last, high)
+    for i in range(strip.size):
+        if not h[i] > 0.0:
+            q[i] = 0.0
+    if last == 0:
+        return 0.0, 0.0, 0
+    energy, n, _ = press(
+        strip, square, h, first, last, elastic, far, near, tolerance, most, q, chi, work, matrix
+    )
+    force = 0.0
+    for i in range(first, last):
+        if h[i] > 0.0:
+            force += q[i] * strip[i]["width"] * row[i]["by_z"]
+    return energy, force, n
+
+
+@kernel
+def stretch(ratio, strip, q, old):
+    """Guess line loads at a depth `ratio` times that of q: each run grows as Hertz's patch does. old : (n,) scratch."""
+    n = strip.size
+    root = 1.0 / sqrt(ratio)
+    for i in range(n):
+        old[i] = q[i]
+        q[i] = 0.0
+    i = 0
+    while i < n:
+        if not old[i] > 0.0:
+            i += 1
+            continue
+        end, load, centre = i, 0.0, 0.0
+        while end < n and old[end] > 0.0:
+            part = old[end] * strip[end]["width"]
+            load += part
+            centre += part * strip[end]["arc"]
+            end += 1
+        centre /= load
+        low = centre + (strip[i]["arc"] - strip[i]["width"] - centre) / root
+        high = centre + (strip[end - 1]["arc"] + strip[end - 1]["width"] - centre) / root
+        k, source = i, i
+        while k > 0 and strip[k - 1]["arc"] > low:
+            k -= 1
+        while k < n and strip[k]["arc"] < high:
+            place = centre + (strip[k]["arc"] - centre) * root
+            while source < end - 1 and strip[source + 1]["arc"] < place:
+                source += 1
+            after = min(source + 1, n - 1)
+            gap = strip[after]["arc"] - strip[source]["arc"]
+            part = min(max((place - strip[source]["arc"]) / gap, 0.0), 1.0) if gap > 0.0 else 0.0
+            value = old[source] + part * ((old[after] if after < end else 0.0) - old[source])
+            q[k] = max(q[k], ratio * value)
+            k += 1
+        i = end
+
+
+@kernel
+def part_of(s, minima, count):
+    """Minimum in whose basin the profile coordinate s lies."""
+    part = 0
+    for j in range(count - 1):
+        border = minima[j, 5]
+        if not border < np.inf:
+            border = 0.5 * (minima[j, 0] + minima[j + 1, 0])
+        if s > border:
+            part = j + 1
+    return part
+
+
+@kernel
+def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patches):
+    """Write the share, place and size of each part of the contact at one height into its rows (members of `Part`).
+
+    Strips that bear side by side are one part, of the minimum in whose basin they bear most.
+
+    w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (PER_CORNER, 8) scratch.  patches : (count, HEIGHTS, PARTS).
+    """
+    sums[:count] = 0.0
+    total = 0.0
+    k = 0
+    while k < n:
+        end, heaviest, owner = k, 0.0, 0
+        sums[:count, 7] = 0.0
+        while end < n and q[int(work[7, end])] > 0.0 and int(work[7, end]) - int(work[7, k]) == end - k:
+            i = int(work[7, end])
+            j = part_of(row[i]["lateral"], minima, count)
+            sums[j, 7] += q[i] * strip[i]["width"]
+            if sums[j, 7] > heaviest:
+                heaviest, owner = sums[j, 7], j
+            end += 1
+        part = sums[owner]
+        for m in range(k, end):
+            i = int(work[7, m])
+            load, half = q[i] * strip[i]["width"], sqrt(work[0, m])
+            part[0] += load
+            part[1] += load * row[i]["by_y"]
+            part[2] += load * row[i]["by_z"]
+            part[3] += load * row[i]["lateral"]
+            part[4] += load * row[i]["radius"]
+            part[5] += 2.0 * half * strip[i]["width"]
+            part[6] = max(part[6], half)
+            total += load
+        k = max(end, k + 1)
+    root = 1.0 / sqrt(w)
+    for j in range(count):
+        load, out = sums[j, 0], patches[j, level]
+        out[Part.SHARE] = 0.0
+        if load > 0.0:
+            per = 1.0 / load
+            out[Part.SHARE] = load / total
+            out[Part.SLOPE] = -sums[j, 1] / sums[j, 2]
+            out[Part.LATERAL], out[Part.RADIUS] = sums[j, 3] * per, sums[j, 4] * per
+            out[Part.SEMI_X] = root * sums[j, 6]
+            out[Part.SEMI_Y] = root * sums[j, 5] / (pi * sums[j, 6])
+
+
+@kernel
+def complete_parts(e, f, d, r0, wheel, w0, wh, minima, count, patches):
+    """Where a part bears nothing, its place and size are those of the next height at which it does, or rigid ones."""
+    for j in range(count):
+        _, _, slope, radius = locus(minima[j, 0], e, f, d, r0, wheel, w0, wh)
+        known = False
+        for turn in range(2 * HEIGHTS):
+            level = HEIGHTS - 1 - turn if turn < HEIGHTS else turn - HEIGHTS
+            here = patches[j, level]
+            if here[Part.SHARE] > 0.0:
+                known = True
+            elif known or turn >= HEIGHTS:
+                other = level + 1 if turn < HEIGHTS else level - 1
+                if known and 0 <= other and other < HEIGHTS:
+                    for c in range(1, PARTS):
+                        here[c] = patches[j, other, c]
+        if not known:
+            for level in range(HEIGHTS):
+                here = patches[j, level]
+                here[Part.SLOPE], here[Part.LATERAL], here[Part.RADIUS] = slope, minima[j, 0], radius
+                here[Part.SEMI_X], here[Part.SEMI_Y] = SMALL, SMALL
+
+
+@builder
+def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most, minima,
+         row, h, q, chi, patches):  # fmt: skip
+    """A wheel at the height z of T, directly by the law.
+
+    Parameters
+    ----------
+    z, roll, yaw, y : float
+        Pose.
+    minima : array (k, 6)
+        As `difference.minima`, from the flange to the field side.
+    row, h, q : arrays (n,)
+        Filled: OVERLAP, its h [m] and the line loads [N/m] of every strip.
+    chi : array
+        Filled with the slenderness factors.
+    patches : array (k, 1, PARTS)
+        Filled with the part of each minimum, SEMI_X and SEMI_Y in [m].
+
+    Returns
+    -------
+    energy : float
+        [J]
+    by_y, by_z, by_roll, by_yaw : float
+        Its gradient [N], [N], [N m], [N m].
+    """
+    e, f, d = wheel_axes(roll, yaw)
+    n = strip.size
+    work, matrix, sums = np.zeros((8, n)), np.zeros((n, n)), np.zeros((minima.shape[0], 8))
+    chi[:] = CHI
+    q[:] = LOOSE * elastic * FIRST_DEPTH
+    patches[:] = 0.0
+    energy, _, count = pressed_to(
+        z, y, e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most,
+        minima, minima.shape[0], row, h, q, chi, work, matrix,
+    )  # fmt: skip
+    by_y, by_z, by_roll, by_yaw = 0.0, 0.0, 0.0, 0.0
+    if energy > 0.0:
+        describe_parts(1.0, count, minima, minima.shape[0], strip, row, q, work, sums, 0, patches)
+        for i in range(n):
+            load = q[i] * strip[i]["width"]
+            if load > 0.0:
+                by_y, by_z = by_y + load * row[i]["by_y"], by_z + load * row[i]["by_z"]
+                by_roll, by_yaw = by_roll + load * row[i]["by_roll"], by_yaw + load * row[i]["by_yaw"]
+    return energy, by_y, by_z, by_roll, by_yaw
+
+
+@builder
+def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, square, elastic, far, near,
+                 levels, tolerance, most, found, counts, heights, node):  # fmt: skip
+    """Heights and patches for every lateral position of one orientation.
+
+    Parameters
+    ----------
+    y : array (n_y,)
+        [m]
+    levels : array (HEIGHTS,)
+        U^POWER, rising [J^POWER].
+    found, counts : arrays (n_y, PER_CORNER, 6), (n_y,)
+        Minima of the difference surface, as `difference.minima`.
+    heights : array (n_y, HEIGHTS)
+        Filled with z of T [m].
+    node : array (n * PATCH_ROWS, NODE_CHANNELS)
+        Filled: rows of each minimum in turn, with the members of `Part` for every height. Without rows: not filled.
+
+    Returns
+    -------
+    int
+        Solutions found.
+    """
+    e, f, d = wheel_axes(roll, yaw)
+    size = strip.size
+    row, h, q, chi = np.zeros(size, OVERLAP), np.zeros(size), np.zeros(size), np.empty(strip[size - 1]["hat"] + 2)
+    work, matrix = np.zeros((8, size)), np.zeros((size, size))
+    sums, patches = np.zeros((PER_CORNER, 8)), np.zeros((PER_CORNER, HEIGHTS, PARTS))
+    solved, at = 0, 0
+    for i in range(y.size):
+        count = counts[i]
+        touch = np.inf
+        for j in range(count):
+            touch = min(touch, found[i, j, 1])
+        chi[:] = CHI
+        q[:] = 0.0
+        z, rate, value = touch + FIRST_DEPTH, 0.0, 0.0
+        for level in range(HEIGHTS):
+            if level > 0:
+                z += (levels[level] - value) * rate
+                stretch(levels[level] / value, strip, q, h)
+            else:
+                q[:] = LOOSE * elastic * FIRST_DEPTH
+            n = 0
+            for turn in range(TRIES):
+                energy, force, n = pressed_to(
+                    z, y[i], e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most,
+                    found[i], count, row, h, q, chi, work, matrix,
+                )  # fmt: skip
+                solved += 1
+                if not energy > 0.0:
+                    return -1
+                value = energy**POWER
+                rate = energy / (POWER * value * force)
+                if abs(levels[level] - value) < NEAR * levels[level] or turn == TRIES - 1:
+                    break
+                z = max(z + (levels[level] - value) * rate, touch + RESTART * (z - touch))
+            heights[i, level] = z + (levels[level] - value) * rate
+            if node.shape[0] > 0:
+                describe_parts(value, n, found[i], count, strip, row, q, work, sums, level, patches)
+        if node.shape[0] > 0:
+            complete_parts(e, f, d, r0, wheel, w0, wh, found[i], count, patches)
+            for j in range(count):
+                for level in range(HEIGHTS):
+                    for c in range(PARTS):
+                        place = level * PARTS + c
+                        node[at + place // NODE_CHANNELS, place % NODE_CHANNELS] = patches[j, level, c]
+                at += PATCH_ROWS
+    return solved

@@ -1,0 +1,95 @@
+"""Strips of a rail's surface that bear the normal force, and their distances (theory.md section 6.7)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from railcli.kernels.difference import height
+from railcli.kernels.strips import STRIP
+
+STEEPEST = 4.0  # slope of a rail beyond which there are no strips [-]
+HAT = 6e-3  # distance of the nodes of the slenderness factor along the rail [m]
+WIDTHS = (  # contact angle [rad] and width there [m], linear between: patches are the narrower the steeper
+    (math.radians(4.0), 0.6e-3),
+    (math.radians(12.0), 0.3e-3),
+    (math.radians(50.0), 0.3e-3),
+    (math.radians(60.0), 0.12e-3),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Strips:
+    """Strips of a right-hand rail, from the gauge side to the field side.
+
+    Attributes
+    ----------
+    strip : STRIP array (n,)
+    square : array (n, n)
+        Squared distance of each two along the surface, geometric mean over both widths [m^2].
+    nodes : int
+        Of the slenderness factor.
+    """
+
+    strip: np.ndarray
+    square: np.ndarray
+    nodes: int
+
+
+def strips_of(mounting, fineness=1.0):
+    """Strips of the rail of a Mounting.
+
+    Parameters
+    ----------
+    mounting : Mounting
+    fineness : float
+        Divides the widths.
+    """
+    graph = mounting.rail, mounting.rail_start, mounting.rail_step
+    ends = mounting.rail_start, mounting.rail_start + mounting.rail_step * (mounting.rail.shape[0] - 1)
+    top = mounting.rail_start + mounting.rail_step * int(np.argmin(mounting.rail[:, 0]))
+    angles, widths = np.array(WIDTHS).T
+
+    def advance(y, slope):
+        return np.interp(math.atan(abs(slope)), angles, widths) / fineness / math.hypot(1.0, slope)
+
+    found = []
+    for way in (-1.0, 1.0):
+        y = top
+        while True:
+            slope = height(*graph, y)[1]
+            middle = y + 0.5 * way * advance(y, slope)
+            step = advance(y, height(*graph, middle)[1])
+            after = y + way * step
+            if abs(slope) > STEEPEST or not ends[0] <= after <= ends[1]:
+                break
+            found.append((y + 0.5 * way * step, step))
+            y = after
+    y, across = np.array(sorted(found)).T
+    z, slope = np.array([height(*graph, each) for each in y]).T
+    cosine = 1.0 / np.hypot(1.0, slope)
+    strip = np.zeros(y.size, STRIP)
+    strip["y"], strip["z"] = y, z
+    strip["normal_y"], strip["normal_z"] = -slope * cosine, cosine
+    strip["width"] = across / cosine
+    strip["arc"] = np.cumsum(strip["width"]) - 0.5 * strip["width"]
+    strip["bend"] = 0.5 * cosine / (mounting.radius + z)
+    strip["hat"], strip["share"] = np.divmod(strip["arc"] / HAT, 1.0)
+    return Strips(strip, _squares(strip["arc"], strip["width"]), int(strip["hat"].max()) + 2)
+
+
+def _squares(arc, width):
+    """Squared geometric mean distances of the points of each two strips [m^2]."""
+
+    def twice_integral(x):
+        x = np.abs(x)
+        return x * x * (0.5 * np.log(np.where(x > 0.0, x, 1.0)) - 0.75)
+
+    apart = np.abs(arc[:, None] - arc[None, :])
+    outer = 0.5 * (width[:, None] + width[None, :])
+    inner = 0.5 * (width[:, None] - width[None, :])
+    total = (
+        twice_integral(apart + outer) + twice_integral(apart - outer)
+        - twice_integral(apart + inner) - twice_integral(apart - inner)
+    )  # fmt: skip
+    return np.exp(2.0 * total / (width[:, None] * width[None, :]))
