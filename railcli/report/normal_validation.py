@@ -23,8 +23,8 @@ RECORDED = {  # of `NormalStates.values`: name with its unit, units per SI unit
     "patches": ("patches", 1.0),
     "share": ("greatest_share", 1.0),
 }
-LINES = ("-", "--", ":", "-.")
-AXES = {"sink": (-6.0, 6.0), "pressure": (-40.0, 60.0), "area": (-50.0, 30.0), "place": (-3.0, 3.0)}
+LINES = ("-", ":", "--", "-.")
+AXES = {"sink": (-12.0, 12.0), "pressure": (-45.0, 35.0), "area": (-55.0, 30.0), "place": (-3.0, 3.0)}  # shown
 
 
 def sections(result):
@@ -87,10 +87,9 @@ def paint(figure, result):
                     chosen = (reference.load == load) & (reference.yaw == yaw)
                     axis.plot(reference.y[chosen] * 1e3, factor * off[chosen], color=colour, linestyle=line,
                               marker=".", markersize=3.5, label=f"{law}, yaw {yaw * 1e3:g} mrad")  # fmt: skip
-            if row is axes[0]:
-                axis.set_title(f"{load * 1e-3:g} kN")
             axis.set_ylim(*AXES[key])
         row[0].set_ylabel(f"{name} [{unit}]")
-    for axis in axes[-1]:
-        axis.set_xlabel("lateral position y [mm]")
+    for top, bottom, load in zip(axes[0], axes[-1], reference.loads, strict=True):
+        top.set_title(f"{load * 1e-3:g} kN vertical")
+        bottom.set_xlabel("lateral position y of the wheelset [mm]")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6)

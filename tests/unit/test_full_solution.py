@@ -10,6 +10,7 @@ import pytest
 import tolerances as tol
 from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
+from scipy.optimize import brentq
 
 from railcli.analysis.certify import direct_contacts
 from railcli.analysis.rigid_contact import fine_stations
@@ -84,6 +85,36 @@ def test_strips_that_lean_feel_each_other_less(full):
         pull = LOAD * math.cos(angle) / (math.pi * MODULUS * apart)
         force = np.sum(spaces.solve(overlap + pull)[:, : u.size // 2]) * dx * dx
         assert_allclose(force, LOAD, rtol=tol.FAR_PATCH)
+
+
+def conforming(full, half, leaning):
+    """Half angle of the patch of a cylinder in a groove, found where theory says `half`; long strips on an arc.
+
+    Equal bodies of radius R and R + gap under the line load P, patch of half angle e, b = tan(e/2) (Persson 1964;
+    Ciavarella and Decuzzi 2001): E / (1 - nu^2) gap / P = (2 - ln(1 + b^2) - 2 b^4) / (pi b^2 (1 + b^2)).
+    """
+    radius, gap = 13e-3, 0.5e-3
+    b = math.tan(0.5 * half)
+    load = 2.0 * MODULUS * gap * math.pi * b**2 * (1 + b**2) / (2 - math.log1p(b**2) - 2 * b**4)
+    width = 3.0 * half / 301
+    angle = width * np.arange(-150, 151)
+    lean = np.stack([-np.sin(angle), np.cos(angle)], axis=-1) if leaning else None
+    spaces = full.HalfSpaces(1, 1.0, radius * angle, np.full(angle.size, radius * width), MODULUS, lean)
+    push = np.cos(angle) if leaning else np.ones_like(angle)
+    bent = gap * (1.0 - np.cos(angle) if leaning else 0.5 * angle**2)
+
+    def missing(depth):
+        return np.sum(spaces.solve((depth * push - bent)[None])[0] * push * spaces.du) - load
+
+    p = spaces.solve((brentq(missing, 1e-5, 1e-3, rtol=1e-6) * push - bent)[None])
+    return 0.5 * full.area(p.T, width, np.ones(1))
+
+
+@pytest.mark.parametrize("half", [0.2, 0.4])
+def test_strips_along_a_groove_are_conforming_cylinders(full, half):
+    """Only with each strip on its own normal: without, the patch is 4.6 % too wide at 0.4 rad."""
+    assert_allclose(conforming(full, half, True), half, rtol=tol.CONFORMING * half**2)
+    assert conforming(full, half, False) > (1.0 + 0.25 * half**2) * half
 
 
 @pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (6.5e-3, -4e-3, 2e-3), (-3e-3, 1e-3, 24e-3)])
