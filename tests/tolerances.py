@@ -295,7 +295,8 @@ TABLE_OR_LINES = 0.01  # relative: curvature of the profiles over 0.5 mm; what r
 SAME_CYCLE = 0.02  # of the amplitude: a ramp stops at 1 % of change from window to window
 CYCLE_FREQUENCY = 0.05  # relative: one amplitude stands for four wheelsets of 1.7 to 2.9 mm; creep that saturates
 DESCRIBING = 1e-6  # straight between 1/1000 of the amplitude; rounding of distances of 1e-3 m over 1 mm
-BOTH_TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
+BOTH_CONFORMING = 0.06  # times the square of the half angle: arc for chord and what both bodies widen; theory.md 6.7
+TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
 LINE = 1e-4  # relative: second order in y = 0.1 mm and its roll
 SINE = 1e-5  # relative: crossings by straight lines between 75 samples per period
 MOVED_TOGETHER = 1e-9  # of the largest entry of the matrix: rounding of differences
@@ -402,3 +403,21 @@ RAIL_ALL_BUT_RIGID = 2e-6  # m: 54 kN on 1e11 N/m are half a micrometre
 BEAM_ON_BED = 2e-4  # wave numbers cut off at 200 1/m leave out 2e-6; the slope is taken over 1e-3 of the range
 P2 = 0.02  # the formula is of first order in the damping, and takes a rail that parts from level at once
 STRIKE = 0.06  # of a peak: at 1 ms the force is seen once in each millisecond of a strike; measured 5.3 % (slab)
+
+# --- Normal contact on elements ---
+CONE_HERTZ = 1e-4  # places between nodes move the rolling radius by 1e-6 m, and the load by its depth
+CONE_PLACE = 1e-6  # [m] as BENCH_PLACE
+ELEMENT_FORCE = 1e-3  # of Hertz's, 40 by 60 elements over the ellipse; measured 2e-4
+ELEMENT_PRESSURE = 2e-3  # uniform over an element: the mean about the middle, and half an element beside it
+ELEMENT_AREA = 0.01  # strips end between elements; measured 0.4 %
+ELEMENT_GAP = 1e-4  # of the greatest overlap: conjugate gradients stop when pressures move by 1e-7 of their sum
+RECTANGLE = 1e-9  # of an integral that scipy's quadrature gives
+FAR_PATCH = 3e-3  # a patch of 3 mm seen from 15 mm is a point but for (a / r)^2 / 5, of a pull of a tenth
+CONFORMING = 0.06  # times the square of the half angle: arc for chord and what both bodies widen; theory.md 6.7
+TOUCH = 1e-9  # [m] minima of two searches, each 1e-6 m of its place, times slopes that vanish there
+STORED_ROLL = 1e-9  # [rad] printed with six decimals of a milliradian
+STORED_TOUCH = 2e-9  # [m] printed to the nanometre
+COARSE_SINK = 1e-3  # from fewer elements to the stored ones
+COARSE_PRESSURE = 0.01
+COARSE_AREA = 0.03
+COARSE_PLACE = 0.02e-3  # [m]

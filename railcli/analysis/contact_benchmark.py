@@ -114,7 +114,7 @@ def poses(pair, y):
 
 
 def scenario(settings, **contact):
-    """The benchmark's wheelset on straight track, with fields of its contact beside friction and flange-back."""
+    """The benchmark's wheelset on straight track, with fields of its contact beside flange-back."""
     body = Body(
         name="wheelset", mass=2.0 * VERTICAL / GRAVITY, inertia=(1000.0, 100.0, 1000.0), x=0.0,
         wheel_radius=settings.radius,
@@ -124,7 +124,7 @@ def scenario(settings, **contact):
         vehicle=Vehicle(name="wheelset", bodies=(body,)),
         run=Run(speed=SPEED, gravity=GRAVITY),
         track=Track((Straight(length=100.0),)),
-        contact=Contact(flange_back=settings.flange_back, friction=FRICTION, **contact),
+        contact=Contact(flange_back=settings.flange_back, **{"friction": FRICTION, **contact}),
     )
 
 
@@ -163,11 +163,20 @@ class Bench:
             raise SimulationError(f"A-2.2 at y = {pose.y * 1e3:g} mm: {Status(status).name.lower().replace('_', ' ')}")
         return data
 
-    def loaded(self, k, pose, spin):
-        """Data of the core with wheel k pressed down until it bears its vertical force."""
+    @property
+    def free_spin(self):
+        """Spin of a wheelset that rolls on its tape circles [rad/s]."""
+        return -SPEED / self._radius
+
+    def on_rail(self, k, pose, patches):
+        """Places of patches of wheel k from the rail's highest point, to the field side [m]."""
+        return SIDES[k] * (pose.y + patches["arm"][..., 1]) - self._rail_top
+
+    def loaded(self, k, pose, spin, load=VERTICAL):
+        """Data of the core with wheel k pressed down until it bears a vertical force [N]."""
 
         def missing(height):
-            return self.evaluated(k, pose, height, spin).rail[0]["q"] - VERTICAL
+            return self.evaluated(k, pose, height, spin).rail[0]["q"] - load
 
         low = pose.touching[k]
         step = 1e-5
@@ -182,8 +191,7 @@ class Bench:
 
     def steady_spin(self, pose):
         """Spin at which the moment about the axle vanishes [rad/s]."""
-        free = -SPEED / self._radius
-        ends = free * (1.0 + SPIN_SHARE), free * (1.0 - SPIN_SHARE)
+        ends = self.free_spin * (1.0 + SPIN_SHARE), self.free_spin * (1.0 - SPIN_SHARE)
         return brentq(lambda spin: self.moment(pose, spin), *ends, xtol=SPIN_ACCURACY)
 
     def settle(self, pose):
@@ -200,21 +208,21 @@ class Bench:
         return spin, [self._read(k, pose, self.loaded(k, pose, spin)) for k in range(2)]
 
     def _read(self, k, pose, data):
-        side, rail = SIDES[k], data.rail[0]
+        rail = data.rail[0]
         patches = data.contact[0][: int(rail["patches"])]
         order = np.argsort(-patches["normal"])
         most, normal = patches[order[0]], float(patches["normal"].sum())
         down = (
             math.sin(pose.yaw) * math.sin(pose.roll), -math.cos(pose.yaw) * math.sin(pose.roll), math.cos(pose.roll)
         )  # fmt: skip
-        places = [side * (pose.y + patches[j]["arm"][1]) - self._rail_top for j in order]
+        places = self.on_rail(k, pose, patches[order])
         slope = most["slope"]
         creep = np.hypot(patches["creep_x"], patches["creep_t"])
         return {
             "on_rail": places[0],
             "on_wheel": most["lateral"],
             "z_wheel": float(np.dot(most["arm"], down)) - self._radius,
-            "angle": -side * math.atan(slope),
+            "angle": -SIDES[k] * math.atan(slope),
             "area": math.pi * most["semi_x"] * most["semi_y"],
             "pressure": pressure(most["normal"], most["semi_x"], most["semi_y"]),
             "approach": most["depth"] / math.hypot(1.0, slope),
@@ -336,6 +344,14 @@ def benchmark_rows(title, states, reference, jumps, limits, shown=()):
         outside = max(low - place * 1e3, place * 1e3 - high, 0.0)
         rows.append(Row(f"{title}: jump, from {low:g} to {high:g} mm away [mm]", outside, 0.0))
     return rows
+
+
+def delta_r_row(title, states, reference, limits, counts):
+    """Criterion of delta-r at positions of its own, `delta_r_y_mm` of limits, to `delta_r_mm`."""
+    chosen = [reference.at(y * 1e-3) for y in limits["delta_r_y_mm"]]
+    found = 1e3 * np.abs(states.delta_r - reference.delta_r)[chosen].max()
+    name = f"{title}: delta-r of A-2.2 [mm], {limits['delta_r_y_mm'][0]:g} to {limits['delta_r_y_mm'][-1]:g} mm"
+    return Row(name, float(found), limits["delta_r_mm"], counts)
 
 
 def extremes(states, reference, settings):

@@ -11,7 +11,8 @@ from railcli.kernels.stages import Stage, repeat
 from railcli.model.submodels import CREEP_LAWS
 
 from .conicity_check import Row
-from .contact_benchmark import Bench, States, benchmark_rows, extremes, jump, poses, steady_states
+from .contact_benchmark import Bench, States, benchmark_rows, delta_r_row, extremes, jump, poses, steady_states
+from .normal_check import NormalStates, normal_rows, normal_states
 
 POISSON = (0.0, 0.25, 0.5)  # columns of table E.3
 STEEL = 0.28
@@ -133,6 +134,12 @@ class Outcome:
         (normal law, creep law) -> quantity -> lowest and highest deviation, as `contact_benchmark.extremes`.
     known : dict
         Quantity -> the same of other fast methods.
+    normal_reference : NormalStates
+        By elements.
+    normal : dict
+        Normal law -> its `NormalStates.values`.
+    held : list of str
+        Normal laws for which the criteria of these states count.
     """
 
     rows: list
@@ -146,6 +153,9 @@ class Outcome:
     jumps: dict
     extremes: dict
     known: dict
+    normal_reference: NormalStates
+    normal: dict
+    held: list
 
     @property
     def accepted(self):
@@ -353,16 +363,18 @@ class Published:
         Table E.3: a / b, then C11, C22, C23, C33, each for POISSON.
     creep : CreepStates
     benchmark : States
+    normal : NormalStates
     """
 
     hertz: HertzCases
     kalker: np.ndarray
     creep: CreepStates
     benchmark: States
+    normal: NormalStates
 
 
 def compare_contact(published, criteria, pair, tables, progress=None):
-    """Compare Hertz, Kalker, every creep law, and every combination of normal and creep law on the benchmark.
+    """Compare Hertz, Kalker, every creep law, every combination of laws on the benchmark, and every normal law.
 
     Parameters
     ----------
@@ -399,7 +411,7 @@ def compare_contact(published, criteria, pair, tables, progress=None):
     states, fine, jumps = {}, {}, {}
     combinations = [(normal, law) for normal in tables for law in CREEP_LAWS]
     for number, (normal, law) in enumerate(combinations):
-        progress(0.4 + 0.6 * number / len(combinations), f"benchmark, {normal} and {law}")
+        progress(0.4 + 0.5 * number / len(combinations), f"benchmark, {normal} and {law}")
         bench = Bench(pair, tables[normal], creep_law=law)
         found = states[normal, law] = steady_states(bench, at)
         places = jumps[normal, law] = [jump(bench, pair, *sought) for sought in 1e-3 * np.array(limits["sought_mm"])]
@@ -407,9 +419,17 @@ def compare_contact(published, criteria, pair, tables, progress=None):
             fine[normal] = steady_states(bench, between)
         shown = criteria["shown"].get(law, ())
         rows += benchmark_rows(f"A-2.2, {normal} and {law}", found, reference, places, limits, shown)
+    normal = {}
+    for law, table in tables.items():
+        progress(0.9, f"normal law {law} against elements")
+        normal[law] = normal_states(pair, table, published.normal)
+        rows += normal_rows(law, normal[law], published.normal, criteria["normal"])
+        first = next(found for key, found in states.items() if key[0] == law)
+        held = law in criteria["normal"]["held"]
+        rows.append(delta_r_row(f"normal law {law}", first, reference, criteria["normal"], held))
     progress(1.0, "")
     ends = {key: extremes(found, reference, limits["spread"]) for key, found in states.items()}
     return Outcome(
         rows, errors, coefficients, published.creep, laws, reference, states, fine, jumps, ends,
-        limits["spread"]["known"],
+        limits["spread"]["known"], published.normal, normal, criteria["normal"]["held"],
     )  # fmt: skip

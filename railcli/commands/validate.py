@@ -129,10 +129,10 @@ def conicity(no_figures, output_format, output, overwrite, quiet):
 def contact(no_figures, output_format, output, overwrite, quiet):
     """Compare the wheel-rail contact with closed forms, with CONTACT and with the Manchester contact benchmark.
 
-    Hertz's solution, Kalker's coefficients, every creep law, and case A-2.2 of the benchmark with every combination of
-    normal and creep law. Builds or reuses the benchmark's contact tables, prints deviations beside the spread that is
-    known of other methods, criteria and the verdict, and writes validation.md, .json, .csv and figures. Exit code 0:
-    accepted, 4: not.
+    Hertz's solution, Kalker's coefficients, every creep law, case A-2.2 of the benchmark with every combination of
+    normal and creep law, and every normal law against half spaces on elements. Builds or reuses the benchmark's contact
+    tables, prints deviations beside the spread that is known of other methods, criteria and the verdict, and writes
+    validation.md, .json, .csv and figures. Exit code 0: accepted, 4: not.
 
     Example: railcli validate contact -o my-validation
     """

@@ -7,6 +7,7 @@ import numpy as np
 
 from railcli.analysis.contact_benchmark import SETTINGS, States, across
 from railcli.analysis.contact_check import CreepStates, HertzCases, Published
+from railcli.analysis.normal_check import NormalStates
 from railcli.analysis.rigid_contact import wheelset_on
 from railcli.errors import InputError
 from railcli.model.submodels import NORMAL_LAWS
@@ -34,6 +35,18 @@ BENCHMARK_COLUMNS = {
     "xi": ("xi", "1e3", 1e-3, -1.0),
     "eta": ("eta", "1e3", 1e-3, -1.0),
     "phi": ("phi", "per_m", 1.0, -1.0),
+}
+
+# Of the own normal states: column and factor to SI.
+NORMAL_COLUMNS = {
+    "sink": ("sink_um", 1e-6),
+    "normal": ("normal_N", 1.0),
+    "pressure": ("pmax_MPa", 1e6),
+    "area": ("area_mm2", 1e-6),
+    "rail": ("rail_mm", 1e-3),
+    "wheel": ("wheel_mm", 1e-3),
+    "patches": ("patches", 1.0),
+    "share": ("share", 1.0),
 }
 
 
@@ -135,8 +148,16 @@ def _benchmark(columns):
     return States(*motion, values)
 
 
+def _normal(columns):
+    n = _numbers(columns)
+    pose = n["y_mm"] * 1e-3, n["yaw_mrad"] * 1e-3, n["roll_mrad"] * 1e-3
+    values = {name: factor * n[column] for name, (column, factor) in NORMAL_COLUMNS.items()}
+    return NormalStates(*pose, n["load_kN"] * 1e3, n["touch_um"] * 1e-6, values)
+
+
 def _not_ours(path, error):
     return InputError(path, f"is not the file that came with railcli ({error}); install railcli again")
 
 
-READERS = {"hertz": _hertz, "kalker": _kalker, "creep": _creep, "a22": _benchmark}  # in the order of `Published`
+# in the order of `Published`
+READERS = {"hertz": _hertz, "kalker": _kalker, "creep": _creep, "a22": _benchmark, "normal": _normal}

@@ -4,6 +4,7 @@ import numpy as np
 
 from railcli.analysis.contact_benchmark import FRICTION
 
+from . import normal_validation
 from .contact_validation import QUANTITIES
 from .figures import GREY, SERIES, draw
 
@@ -19,10 +20,11 @@ CURVES = (  # of the creep laws: title, creepage that varies, force, rank of the
 
 
 def figures(result, folder):
-    """Draw benchmark.png, forces.png and creep.png."""
+    """Draw benchmark.png, forces.png, creep.png and normal.png."""
     draw(lambda figure: _benchmark(figure, result), folder / "benchmark.png", (12.0, 10.5))
     draw(lambda figure: _forces(figure, result), folder / "forces.png", (11.0, 7.5))
     draw(lambda figure: _creep(figure, result), folder / "creep.png", (13.0, 6.4))
+    draw(lambda figure: normal_validation.paint(figure, result), folder / "normal.png", (12.0, 11.0))
 
 
 def _benchmark(figure, result):

@@ -5,9 +5,10 @@ import numpy as np
 from railcli.analysis.contact_benchmark import deviations
 from railcli.analysis.contact_check import COEFFICIENTS, PUBLISHED
 
+from . import normal_validation
 from .text import columns, sectioned
 
-FIGURES = ("benchmark", "forces", "creep")
+FIGURES = ("benchmark", "forces", "creep", "normal")
 SIDES = ("right", "left")
 GROUPS = ("no spin", "light spin", "medium spin", "heavy spin", "spin alone", "full slip", "all")
 LIMITS = ("no slip", "full slip", "direction", "pure spin", "bound")
@@ -190,6 +191,7 @@ def report(result):
     sections += [
         ("A-2.2: creep forces less those of CONTACT over mu N, the wheel that is further off", forces_text(result)),
         ("A-2.2: deviations from CONTACT beside the known spread", spread_text(result)),
+        *normal_validation.sections(result),
         ("Criteria", criteria_text(result)),
     ]
     return sections
@@ -258,6 +260,7 @@ def as_json(result, provenance):
             {"normal_law": normal, "creep_law": law, **found} for (normal, law), found in result.extremes.items()
         ],
         "known_spread": result.known,
+        "normal_states": normal_validation.records(result),
         "provenance": provenance,
     }
 

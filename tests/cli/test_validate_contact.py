@@ -12,7 +12,7 @@ from railcli.files import contact_reference
 from railcli.model.submodels import CREEP_LAWS, NORMAL_LAWS
 
 FILES = {"validation.md", "validation.json", "validation.csv"}
-FIGURES = {"benchmark.png", "forces.png", "creep.png"}
+FIGURES = {"benchmark.png", "forces.png", "creep.png", "normal.png"}
 
 
 def run(*arguments):
@@ -58,6 +58,9 @@ def test_machine_readable_results(accepted):
     assert row["contact"] == pytest.approx(-21.79) and row["unit"] == "mm"
     assert row["deviation"] == pytest.approx(row["railcli"] - row["contact"])
     assert record["known_spread"]["area"] == [-0.42, 0.0]
+    states = record["normal_states"]
+    assert {row["normal_law"] for row in states} == {"elements", *NORMAL_LAWS}
+    assert len(states) == 174 * (1 + len(NORMAL_LAWS))
     rows = list(csv.DictReader((folder / "validation.csv").read_text(encoding="utf-8").splitlines()))
     assert len(rows) == len(values)
     assert float(rows[7]["railcli"]) == pytest.approx(values[7]["railcli"], rel=1e-5)
@@ -103,7 +106,7 @@ def test_ctrl_c_leaves_nothing(monkeypatch, tmp_path):
 
 PRINTED = {
     name: contact_reference.resource(f"benchmarks/contact/{name}").read_text(encoding="utf-8")
-    for name in ("reference/a22.csv", "reference/hertz.csv", "accept.toml")
+    for name in ("reference/a22.csv", "reference/hertz.csv", "reference/normal.csv", "accept.toml")
 }
 
 
@@ -115,9 +118,10 @@ PRINTED = {
         ("reference/a22.csv", PRINTED["reference/a22.csv"].replace("y_mm,", "y,")),
         ("reference/hertz.csv", PRINTED["reference/hertz.csv"].replace("10000,", "ten,", 1)),
         ("reference/hertz.csv", ""),
+        ("reference/normal.csv", PRINTED["reference/normal.csv"].replace("touch_um", "touch")),
         ("accept.toml", "[hertz]\nrelative = \n"),
     ],
-    ids=["unit in a cell", "cell missing", "other column", "word", "empty", "criteria malformed"],
+    ids=["unit in a cell", "cell missing", "other column", "word", "empty", "own states", "criteria malformed"],
 )
 def test_broken_reference_is_one_line(tmp_path, monkeypatch, name, text):
     bundled = contact_reference.resource
