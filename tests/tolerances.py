@@ -175,6 +175,12 @@ IDENTIFIED = 1e-5  # of friction: the search stops at 1e-6, twice the jackknife 
 PRINTED_TENTH = 0.05  # [mm, kN] half a unit of the last digit
 R150_TRAILING_Q = 0.7  # [kN] beyond either code: half of the transfer of 1.6 kN, in one bogie's wheelsets
 R150_TRANSFER = 0.4  # [kN] the codes differ by 0.3; eight values with one decimal
+R150_BALANCE = 0.1  # [kN] lean of the bodies, which the closed form leaves out; measured 0.046
+COOPERRIDER_CONICITY = 0.05  # roll moves the contact of railcli's wheels, which the table leaves out; 0.043
+COOPERRIDER_PLACE = 0.6e-3  # [m] the same, and the table's angles against those of its rail; measured 0.5
+COOPERRIDER_ANGLE = 6e-3  # [rad] of the table against UIC60 at the same place, beyond y = 4 mm; measured 5.5e-3
+COOPERRIDER_HZ = 0.05  # read off some five peaks, stored every 10 ms
+GYROSCOPIC = 0.01  # of the spin: what contact adds to the slope of yaw acceleration over roll rate; measured 0.0013
 
 # `railcli run scenario`
 BALANCE_KN = 0.2  # sums of rail forces against mass times acceleration: what is left of the run-in at the end of a run

@@ -122,9 +122,9 @@ def jolt(system, data):
 
 
 def settled_start(system, lateral=0.0):
-    """Data of the vehicle rolling at its speed, in static equilibrium but for a lateral shift of all bodies [m].
+    """Data of the vehicle rolling at its speed, in static equilibrium but for a lateral shift of its bodies [m].
 
-    Wheelsets stand on their rails there.
+    `lateral` is one for all or one for each body. Wheelsets stand on their rails there.
 
     Dampers and dry friction carry nothing: the vehicle was not pushed about before.
     """
@@ -137,8 +137,8 @@ def settled_start(system, lateral=0.0):
     spins = np.flatnonzero(system.model.body["spins"])
     data.v[spins, 4] = -system.speed / _rolling_radii(system, rest, spins)
     data.yielded[:], data.dragged[:] = rest.yielded, rest.dragged
-    if lateral:
-        _set_down(system, data, lateral)
+    if np.any(lateral):
+        _set_down(system, data, np.broadcast_to(lateral, data.q.shape[0]))
     return data
 
 
@@ -151,15 +151,15 @@ def _rolling_radii(system, rest, spins):
     return np.divide(moment, load, out=system.radii[spins], where=load > 0.0)
 
 
-def _set_down(system, data, lateral):
-    """Let the rails carry each wheelset where it stands aside as they do in the middle; where they cannot, leave it."""
+def _set_down(system, data, aside):
+    """Let the rails carry each wheelset that stands aside [m] as they do in the middle; where they cannot, leave it."""
     track = pack(constant_track(0.0, 0.0))
     model = freeze(system.model._replace(joint=system.model.joint[:0], track=track, shift=NO_SHIFT))
     for i, other in system.model.wheel["body"].reshape(-1, 2):
-        if i != other:  # two wheels that stand only by what joins them
+        if i != other or aside[i] == 0.0:  # two wheels that stand only by what joins them
             continue
         before = data.q[i].copy()
-        data.q[i, 1] = before[1] - lateral
+        data.q[i, 1] = before[1] - aside[i]
         if evaluate(model, data, SETTLED) == 0:
             carried = data.load[i, HEIGHT_AND_ROLL].copy()
             data.q[i, 1] = before[1]

@@ -84,6 +84,73 @@ def manchester(sensitivity, disturbance, no_figures, output_format, output, over
         raise CheckError(f"validate manchester: rejected ({'; '.join(missed)})")
 
 
+@validate.command(short_help="A curve of 150 m and a hunting wagon against other programs.")
+@click.option("--creep-law", metavar="NAME", help="Creep law of both comparisons  [default: of their scenarios]")
+@click.option("--normal", metavar="NAME", help="Normal law of both comparisons  [default: of their scenarios]")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@results_options
+def curves(creep_law, normal, no_figures, output_format, output, overwrite, quiet):
+    """Compare steady curving at R = 150 m with ADAMS and Universal Mechanism, and the Cooperrider wagon's hunting.
+
+    The Manchester wagon in a curve of 150 m, by Newton's method, with what the published table leaves open varied one
+    by one; decay and hunting of the Cooperrider wagon on straight track; the curve of 1200 m beside them. Builds or
+    reuses contact tables, prints values, deviations, criteria and the verdict, and writes validation.md, .json, .csv
+    and figures. Exit code 0: accepted, 4: not.
+
+    \b
+    Examples:
+      railcli validate curves -o my-validation
+      railcli validate curves --normal hertz --creep-law fastrip
+    """
+    from railcli.analysis.curves_check import compare_curves
+    from railcli.analysis.curving_check import NOMINAL
+    from railcli.analysis.warm import warm
+    from railcli.errors import CheckError
+    from railcli.files.curves_reference import curves_criteria, curves_reference, curves_scenarios, wheelset_of
+    from railcli.files.output import json_text, results_folder, write_json, write_text
+    from railcli.files.progress import Progress
+    from railcli.files.provenance import provenance
+    from railcli.files.tables import tables_for
+    from railcli.model.submodels import CREEP_LAWS, NORMAL_LAWS, choose
+    from railcli.report import curves_validation as report
+
+    def announce(text):
+        if not quiet:
+            click.echo(text, err=True)
+
+    laws = {}
+    for key, option, registry, name in (
+        ("creep_law", "--creep-law", CREEP_LAWS, creep_law), ("normal", "--normal", NORMAL_LAWS, normal)
+    ):  # fmt: skip
+        if name is not None:
+            choose(registry, option, name)
+            laws[key] = name
+    reference, criteria = curves_reference(), curves_criteria()
+    curve, wagon, wide = curves_scenarios(laws)
+    with results_folder("validate", "curves", output, overwrite) as folder:
+        warm(announce)
+        with Progress("Validate", 100, "%", quiet) as progress:
+            result = compare_curves(
+                reference, criteria, curve, wagon, wheelset_of(wagon), wide, lambda case: tables_for(case, True),
+                lambda share, text: progress.update(round(100 * share), text),
+            )  # fmt: skip
+        origin = provenance(result.curves[NOMINAL].scenario)
+        record, sections = report.as_json(result, origin), report.report(result)
+        write_json(folder / "validation.json", record)
+        write_text(folder / "validation.csv", report.csv(result))
+        write_text(folder / "validation.md", report.markdown(sections, result, origin, figures=not no_figures))
+        if not no_figures:
+            report.figures(result, folder)
+    if output_format == "json":
+        click.echo(json_text(record))
+    else:
+        click.echo(report.terminal(sections, result))
+        click.echo(f"Written to {folder}")
+    if not result.accepted:
+        missed = [row.name for row in result.rows if row.counts and not row.kept]
+        raise CheckError(f"validate curves: rejected ({'; '.join(missed)})")
+
+
 @validate.command(short_help="Equivalent conicity against the tables of EN 15302.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @results_options

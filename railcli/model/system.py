@@ -46,8 +46,8 @@ class System:
         ----------
         s : float
             Arc length of the first body [m].
-        lateral : float
-            Lateral position of every body [m].
+        lateral : float or array (n_body,)
+            How far bodies stand to the right of their place at rest [m].
         """
         q = self.rest.copy()
         q[:, 0] += s

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from . import wheelset
+from .criteria import criteria_json, verdict
 from .figures import BLUE, GREEN, GREY, VERMILION, draw
 from .text import columns, facts
 
@@ -273,11 +274,8 @@ def validation_lines(result):
 def validation_json(result):
     """The comparison with EN 15302 for a machine."""
     return {
-        "verdict": "accepted" if result.accepted else "rejected",
-        "criteria": [
-            {"name": row.name, "found": row.found, "limit": row.limit, "kept": row.kept, "counts": row.counts}
-            for row in result.rows
-        ],
+        "verdict": verdict(result.rows),
+        "criteria": criteria_json(result.rows),
         "comparisons": [
             {
                 "edition": found.edition,

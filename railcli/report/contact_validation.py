@@ -6,8 +6,10 @@ from railcli.analysis.contact_benchmark import deviations
 from railcli.analysis.contact_check import COEFFICIENTS, PUBLISHED
 
 from . import normal_validation
+from .criteria import criteria_json, document, verdict, verdict_line, words
 from .text import columns, sectioned
 
+TITLE = "Wheel-rail contact against published references"
 FIGURES = ("benchmark", "forces", "creep", "normal")
 SIDES = ("right", "left")
 GROUPS = ("no spin", "light spin", "medium spin", "heavy spin", "spin alone", "full slip", "all")
@@ -149,7 +151,7 @@ def criteria_text(result):
         if title.startswith("A-2.2"):
             combined.setdefault(name, []).append((title.removeprefix("A-2.2, "), row))
         else:
-            rows.append((row.name, f"{row.found:.2g}", f"{row.limit:g}", _verdict(row)))
+            rows.append((row.name, f"{row.found:.2g}", f"{row.limit:g}", words(row)))
     every = {_creep_law(title) for group in combined.values() for title, _ in group}
     for name, group in combined.items():
         for counts in (True, False):
@@ -157,8 +159,8 @@ def criteria_text(result):
             if chosen:
                 found = sorted({f"{row.found:.2g}" for _, row in chosen}, key=float)
                 missed = [title for title, row in chosen if not row.kept]
-                verdict = _verdict(chosen[0][1]) if not missed or len(missed) == len(chosen) else "MISSED by some"
-                cells = " to ".join(found[:: max(len(found) - 1, 1)]), f"{chosen[0][1].limit:g}", verdict
+                told = words(chosen[0][1]) if not missed or len(missed) == len(chosen) else "MISSED by some"
+                cells = " to ".join(found[:: max(len(found) - 1, 1)]), f"{chosen[0][1].limit:g}", told
                 laws = sorted({_creep_law(title) for title, _ in chosen})
                 whose = "all combinations" if set(laws) == every else ", ".join(laws)
                 rows.append((f"A-2.2, {whose}: {name}", *cells))
@@ -169,12 +171,6 @@ def criteria_text(result):
 
 def _creep_law(title):
     return title.rpartition(" and ")[2]
-
-
-def _verdict(row):
-    if row.counts:
-        return "kept" if row.kept else "MISSED"
-    return "shown, kept" if row.kept else "shown, missed"
 
 
 def report(result):
@@ -231,11 +227,8 @@ def csv(result):
 def as_json(result, provenance):
     """The whole comparison as one object."""
     return {
-        "verdict": "accepted" if result.accepted else "rejected",
-        "criteria": [
-            {"name": row.name, "found": row.found, "limit": row.limit, "kept": row.kept, "counts": row.counts}
-            for row in result.rows
-        ],
+        "verdict": verdict(result.rows),
+        "criteria": criteria_json(result.rows),
         "hertz": dict(zip(("semi_x", "semi_y", "pressure", "approach"), np.abs(result.hertz).max(axis=0), strict=True)),
         "kalker": {name: dict(zip(COEFFICIENTS, values, strict=False)) for name, values in result.kalker.items()},
         "creep_laws": {
@@ -265,27 +258,11 @@ def as_json(result, provenance):
     }
 
 
-def verdict_line(result):
-    """One line: the verdict and what it rests on."""
-    counted = [row for row in result.rows if row.counts]
-    kept = sum(row.kept for row in counted)
-    verdict = "accepted" if result.accepted else "rejected"
-    return f"Verdict: {verdict} ({kept} of {len(counted)} criteria that count are kept)"
-
-
 def terminal(sections, result):
     """The report for a terminal."""
-    return sectioned("Wheel-rail contact against published references", sections, verdict_line(result))
+    return sectioned(TITLE, sections, verdict_line(result.rows))
 
 
 def markdown(sections, result, origin, figures=True):
     """The report as validation.md."""
-    lines = ["# Wheel-rail contact against published references", "", f"**{verdict_line(result)}**"]
-    for title, body in sections:
-        lines += ["", f"## {title}", "", "```text", *body, "```"]
-    if figures:
-        lines += ["", "## Figures", ""]
-        lines += [f"![{name}]({name}.png)" for name in FIGURES]
-    versions = ", ".join(f"{name} {origin[name]}" for name in ("railcli", "kernels", "python", "numpy", "numba"))
-    lines += ["", "## Origin", "", f"{versions}, {origin['cpu']}, {origin['date']}"]
-    return "\n".join(lines) + "\n"
+    return document(TITLE, verdict_line(result.rows), sections, FIGURES if figures else (), origin)

@@ -4,6 +4,7 @@ import numpy as np
 
 from railcli.analysis.validate import READINGS, SUPPORTED, balance_error, deviations
 
+from .criteria import document
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
 from .text import columns, facts, sectioned
 from .text import speed as in_words
@@ -375,13 +376,5 @@ def terminal(sections, record):
 
 def markdown(sections, record, figures=FIGURES):
     """The report as validation.md; figures : names of those that stand beside it."""
-    origin = record["provenance"]
-    lines = ["# Manchester passenger wagon: the published curve", "", f"**{verdict_line(record)}**"]
-    for title, body in sections:
-        lines += ["", f"## {title}", "", "```text", *body, "```"]
-    if figures:
-        lines += ["", "## Figures", ""]
-        lines += [f"![{name}]({name}.png)" for name in figures]
-    versions = ", ".join(f"{name} {origin[name]}" for name in ("railcli", "kernels", "python", "numpy", "numba"))
-    lines += ["", "## Origin", "", f"{versions}, {origin['cpu']}, {origin['date']}"]
-    return "\n".join(lines) + "\n"
+    title = "Manchester passenger wagon: the published curve"
+    return document(title, verdict_line(record), sections, figures, record["provenance"])
