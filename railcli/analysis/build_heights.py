@@ -12,7 +12,7 @@ from railcli.errors import InputError
 from railcli.kernels.branches import PER_CORNER
 from railcli.kernels.columns import POWER, fill_columns
 from railcli.kernels.difference import height
-from railcli.kernels.layout import HEIGHTS, NODE_CHANNELS, PATCH_ROWS
+from railcli.kernels.layout import HEIGHTS
 from railcli.kernels.strips import pulls
 from railcli.kernels.tabulate import solve_orientation
 from railcli.model.heights import LEAST
@@ -50,7 +50,7 @@ class Stored(NamedTuple):
     minima: np.ndarray  # (n_pose,) minima of D at each pose
     lateral: np.ndarray  # (n,) their places on the wheel [m]
     basin: np.ndarray  # (n, 2) ends of their basins [m]
-    node: np.ndarray  # (n PATCH_ROWS, NODE_CHANNELS) as `columns.fill_columns`
+    parts: np.ndarray  # (n HEIGHTS, HEIGHTS) as `columns.fill_columns`
 
 
 class Columns:
@@ -69,20 +69,20 @@ class Columns:
         -------
         heights : array (n_y, HEIGHTS)
             [m]
-        found, counts, node
+        found, counts, parts
             Minima of D, as `tabulate.solve_orientation` says, and rows of `columns.fill_columns`; empty unless patches.
         """
         found, counts = self.minima(y, roll, yaw2, method)
         heights = np.zeros((y.size, HEIGHTS))
-        node = np.zeros((PATCH_ROWS * int(counts.sum()) if patches else 0, NODE_CHANNELS))
+        parts = np.zeros((HEIGHTS * int(counts.sum()) if patches else 0, HEIGHTS))
         solved = fill_columns(
             roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips.strip, self.strips.square, self.elastic, *pulls(),
-            LEVELS, tolerance, most, found, counts, heights, node,
+            LEVELS, tolerance, most, found, counts, heights, parts,
         )  # fmt: skip
         if solved < 0:
             raise InputError("contact geometry", f"{NO_CONTACT}; choose a smaller range of y or roll")
         self.solutions += solved
-        return heights, found, counts, node
+        return heights, found, counts, parts
 
     def minima(self, y, roll, yaw2, method=0):
         """Minima of D, as `tabulate.solve_orientation` says."""
@@ -211,19 +211,19 @@ def store_heights(columns, settings, method=0, progress=None, accuracy=1.0):
     def solve(pose):
         i, j = pose
         at = y + shear[0] * rolls[i] + shear[1] * yaws2[j]
-        values[i, j], found, counts, node = columns(at, rolls[i], yaws2[j], method=method, patches=True)
+        values[i, j], found, counts, part = columns(at, rolls[i], yaws2[j], method=method, patches=True)
         kept = np.arange(PER_CORNER) < counts[:, None]
-        return counts, found[kept][:, [0, 4, 5]], node
+        return counts, found[kept][:, [0, 4, 5]], part
 
-    parts = []
+    solved = []
     with ThreadPoolExecutor(usable_cores()) as pool:
-        for number, part in enumerate(pool.map(solve, poses)):
-            parts.append(part)
+        for number, each in enumerate(pool.map(solve, poses)):
+            solved.append(each)
             if progress:
                 progress(0.95 * (number + 1) / len(poses))
-    counts, minima, node = (np.concatenate(each) for each in zip(*parts, strict=True))
+    counts, minima, parts = (np.concatenate(each) for each in zip(*solved, strict=True))
     basin = np.where(np.isfinite(minima[:, 1:]), minima[:, 1:], [-np.inf, np.inf])
-    return Stored((y.size, rolls.size, yaws2.size), shear, axes, values, counts, minima[:, 0], basin, node)
+    return Stored((y.size, rolls.size, yaws2.size), shear, axes, values, counts, minima[:, 0], basin, parts)
 
 
 def usable_cores():

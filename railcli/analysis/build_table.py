@@ -207,10 +207,10 @@ def _with_heights(wheel, rail, settings, method, mounting, regions, station, pro
         wheel_digest=wheel.digest(),
         rail_digest=rail.digest(),
         method=method,
-        node=stored.node,
+        node=np.zeros((0, NODE_CHANNELS)),
         cell=cell,
         branch=branch,
-        heights=pack(LEVELS, regions, stored.shear, stored.axes, stored.values),
+        heights=pack(LEVELS, regions, stored.shear, stored.axes, stored.values, stored.parts),
         counts=stored.counts,
     )
     facts = {

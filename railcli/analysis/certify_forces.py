@@ -22,7 +22,7 @@ def forces_stored(table, pose, z, sample):
     """Lateral and vertical force [N], patches (share, place [m], radius [m]) of a look-up; None off the table."""
     record = table.record[0]
     if table.settings.stores_heights:
-        count, _, y, q, *_ = stored(record, table.node, table.cell, table.branch, table.heights, *_split(pose), z, sample)
+        count, _, y, q, *_ = stored(record, table.cell, table.branch, table.heights, *_split(pose), z, sample)
         if count < 0 or count > MAX_CONTACT:
             return None
         rows = sample[:count]

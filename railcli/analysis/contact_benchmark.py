@@ -12,7 +12,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from railcli.errors import SimulationError
-from railcli.kernels.hertz import pressure
 from railcli.kernels.layout import Status, freeze, new_data
 from railcli.kernels.step import evaluate
 from railcli.model.contact_table import TableSettings
@@ -224,7 +223,7 @@ class Bench:
             "z_wheel": float(np.dot(most["arm"], down)) - self._radius,
             "angle": -SIDES[k] * math.atan(slope),
             "area": math.pi * most["semi_x"] * most["semi_y"],
-            "pressure": pressure(most["normal"], most["semi_x"], most["semi_y"]),
+            "pressure": float(most["pressure"]),
             "approach": most["depth"] / math.hypot(1.0, slope),
             "normal": normal,
             "xi": most["xi"],

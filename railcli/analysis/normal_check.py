@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railcli.kernels.hertz import pressure
 from railcli.model.submodels import CREEP_LAWS
 
 from .conicity_check import Row
@@ -82,7 +81,7 @@ def borne(bench, pose, below, touch, load):
     return {
         "sink": float(data.q[0, 2]) + below - touch,
         "normal": float(normal.sum()),
-        "pressure": max(pressure(patch["normal"], patch["semi_x"], patch["semi_y"]) for patch in patches),
+        "pressure": float(patches["pressure"].max()),
         "area": float(np.sum(math.pi * patches["semi_x"] * patches["semi_y"])),
         "rail": float(share @ rail),
         "wheel": float(share @ patches["lateral"]),

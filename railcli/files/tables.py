@@ -35,13 +35,13 @@ SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
 ARRAYS = {
     "node": "contact points at grid poses, one row each; columns: attribute 'channels'. With normal 'kp' behind them "
-    "their patches, two rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'; with "
-    "normal 'overlap' two rows each: for every w the values of attribute 'patch'",
+    "their patches, two rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'",
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
     "heights": "of normal 'overlap' alone: rows of w = U^0.4 [J^0.4], weights of slopes, parts of the wheel [m], shears of "
     "the grid; then knots of sheared y [m], roll [rad] and yaw^2 [rad^2], attribute 'knots' of them, each followed by "
-    "the cubics of its splines; then their coefficients [m], ordered roll, yaw^2, y",
+    "the cubics of its splines; then their coefficients [m], ordered roll, yaw^2, y; then for each part of the contact "
+    "and every w the values of attribute 'part'; corners of branches count these parts",
 }
 UNITS = (
     "-, 1/m, -, m/rad, 1/rad, m/rad, m/rad^2, 1/rad^2, m/rad^2, "
@@ -154,9 +154,9 @@ def save(table, path, certificate=None):
         file["node"].attrs["units"] = UNITS
         if table.settings.patches:
             file["node"].attrs["penetrations_m"] = PATCH_PENETRATIONS
-        held = Press if table.settings.patches else Part if table.settings.stores_heights else ()
-        file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in held)
+            file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in Press)
         file["heights"].attrs["knots"] = table.counts
+        file["heights"].attrs["part"] = ", ".join(channel.name.lower() for channel in Part)
 
 
 def load(path, expect=None):
@@ -245,7 +245,7 @@ def _inconsistency(table):
     if len(table.counts) != 3 or min(table.counts) < (LEAST if s.stores_heights else 2):
         return f"{table.counts} are no counts of knots"
     cells = math.prod(count - 1 for count in table.counts)
-    rows = places(table.counts)[1] if s.stores_heights else 0
+    rows = places(table.counts)[-1] + HEIGHTS * max(table.points, 1) if s.stores_heights else 0
     layout = {
         "node": (np.float64, (node.shape[0], NODE_CHANNELS)),
         "cell": (np.int32, (cells + 1,)),
@@ -262,8 +262,6 @@ def _inconsistency(table):
         return f"branch points outside the {table.points} nodes"
     if s.patches and node.shape[0] != table.points * (1 + PATCH_ROWS):
         return f"{node.shape[0]} rows of node are no nodes with their patches"
-    if s.stores_heights and node.shape[0] % PATCH_ROWS:
-        return f"{node.shape[0]} rows of node are no parts of contacts"
     if not (np.isfinite(node).all() and np.isfinite(table.heights).all()):
         return "a node is not a finite number"
     if s.stores_heights and not all((np.diff(knots) > 0.0).all() for knots in knots_of(table.heights, table.counts)):

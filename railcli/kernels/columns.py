@@ -10,7 +10,7 @@ import numpy as np
 from .branches import PER_CORNER
 from .difference import locus, wheel_axes
 from .jit import builder, kernel
-from .layout import HEIGHTS, NODE_CHANNELS, PARTS, PATCH_ROWS, Part
+from .layout import HEIGHTS, Part
 from .overlap import OVERLAP, spread
 from .strips import CHI, press
 
@@ -110,7 +110,7 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
 
     Strips that bear side by side are one part, of the minimum in whose basin they bear most.
 
-    w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (PER_CORNER, 8) scratch.  patches : (count, HEIGHTS, PARTS).
+    w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (count, 9) scratch.  patches : (count, HEIGHTS, len(Part)).
     """
     sums[:count] = 0.0
     total = 0.0
@@ -136,6 +136,7 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
             part[4] += load * row[i]["radius"]
             part[5] += 2.0 * half * strip[i]["width"]
             part[6] = max(part[6], half)
+            part[8] = max(part[8], 2.0 * q[i] / (pi * half))
             total += load
         k = max(end, k + 1)
     root = 1.0 / sqrt(w)
@@ -149,6 +150,7 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
             out[Part.LATERAL], out[Part.RADIUS] = sums[j, 3] * per, sums[j, 4] * per
             out[Part.SEMI_X] = root * sums[j, 6]
             out[Part.SEMI_Y] = root * sums[j, 5] / (pi * sums[j, 6])
+            out[Part.PRESSURE] = root * sums[j, 8]
 
 
 @kernel
@@ -165,7 +167,7 @@ def complete_parts(e, f, d, r0, wheel, w0, wh, minima, count, patches):
             elif known or turn >= HEIGHTS:
                 other = level + 1 if turn < HEIGHTS else level - 1
                 if known and 0 <= other and other < HEIGHTS:
-                    for c in range(1, PARTS):
+                    for c in range(1, HEIGHTS):
                         here[c] = patches[j, other, c]
         if not known:
             for level in range(HEIGHTS):
@@ -189,7 +191,7 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, 
         Filled: OVERLAP, its h [m] and the line loads [N/m] of every strip.
     chi : array
         Filled with the slenderness factors.
-    patches : array (k, 1, PARTS)
+    patches : array (k, 1, HEIGHTS)
         Filled with the part of each minimum, SEMI_X and SEMI_Y in [m].
 
     Returns
@@ -201,7 +203,7 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, 
     """
     e, f, d = wheel_axes(roll, yaw)
     n = strip.size
-    work, matrix, sums = np.zeros((8, n)), np.zeros((n, n)), np.zeros((minima.shape[0], 8))
+    work, matrix, sums = np.zeros((8, n)), np.zeros((n, n)), np.zeros((minima.shape[0], 9))
     chi[:] = CHI
     q[:] = LOOSE * elastic * FIRST_DEPTH
     patches[:] = 0.0
@@ -222,7 +224,7 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, 
 
 @builder
 def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, square, elastic, far, near,
-                 levels, tolerance, most, found, counts, heights, node):  # fmt: skip
+                 levels, tolerance, most, found, counts, heights, parts):  # fmt: skip
     """Heights and patches for every lateral position of one orientation.
 
     Parameters
@@ -235,8 +237,8 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, squ
         Minima of the difference surface, as `difference.minima`.
     heights : array (n_y, HEIGHTS)
         Filled with z of T [m].
-    node : array (n * PATCH_ROWS, NODE_CHANNELS)
-        Filled: rows of each minimum in turn, with the members of `Part` for every height. Without rows: not filled.
+    parts : array (n * HEIGHTS, HEIGHTS)
+        Filled: rows of each minimum in turn, members of `Part`, one for every height. Without rows: not filled.
 
     Returns
     -------
@@ -247,7 +249,7 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, squ
     size = strip.size
     row, h, q, chi = np.zeros(size, OVERLAP), np.zeros(size), np.zeros(size), np.empty(strip[size - 1]["hat"] + 2)
     work, matrix = np.zeros((8, size)), np.zeros((size, size))
-    sums, patches = np.zeros((PER_CORNER, 8)), np.zeros((PER_CORNER, HEIGHTS, PARTS))
+    sums, patches = np.zeros((PER_CORNER, 9)), np.zeros((PER_CORNER, HEIGHTS, HEIGHTS))
     solved, at = 0, 0
     for i in range(y.size):
         count = counts[i]
@@ -278,14 +280,13 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, squ
                     break
                 z = max(z + (levels[level] - value) * rate, touch + RESTART * (z - touch))
             heights[i, level] = z + (levels[level] - value) * rate
-            if node.shape[0] > 0:
+            if parts.shape[0] > 0:
                 describe_parts(value, n, found[i], count, strip, row, q, work, sums, level, patches)
-        if node.shape[0] > 0:
+        if parts.shape[0] > 0:
             complete_parts(e, f, d, r0, wheel, w0, wh, found[i], count, patches)
             for j in range(count):
                 for level in range(HEIGHTS):
-                    for c in range(PARTS):
-                        place = level * PARTS + c
-                        node[at + place // NODE_CHANNELS, place % NODE_CHANNELS] = patches[j, level, c]
-                at += PATCH_ROWS
+                    for c in range(HEIGHTS):
+                        parts[at + level, c] = patches[j, level, c]
+                at += HEIGHTS
     return solved

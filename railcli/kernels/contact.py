@@ -7,6 +7,7 @@ mirrored: lateral position, roll and yaw change sign, and so does the slope that
 from math import isfinite, sqrt
 
 from .heights import REGIONS, stored
+from .hertz import pressure
 from .jit import kernel, seldom
 from .kalker import stiffness
 from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Part, Press, Status
@@ -51,6 +52,7 @@ SHARED_LATERAL = Part.LATERAL.value
 SHARED_RADIUS = Part.RADIUS.value
 SHARED_SEMI_X = Part.SEMI_X.value
 SHARED_SEMI_Y = Part.SEMI_Y.value
+SHARED_PRESSURE = Part.PRESSURE.value
 PART = Node.GAP_Y.value  # of a sample: weight of the corners that have the branch, 1 where it does not end
 
 
@@ -383,6 +385,7 @@ def touch_branches(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
         contact["f11"], contact["f22"] = sample[j, F11] * depth, sample[j, F22] * depth
         contact["f23"], contact["f33"] = sample[j, F23] * depth * root, sample[j, F33] * depth * depth
         contact["depth"] = sample[j, GAP]
+        contact["pressure"] = pressure(contact["normal"], contact["semi_x"], contact["semi_y"])
         contact["region"] = sample[j, REGION]
     return found
 
@@ -397,7 +400,7 @@ def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
     param, wheel, rail, sample = model.param[0], model.wheel[w], data.rail[w], data.sample
     table, side = model.table[wheel["table"]], wheel["side"]
     found, depth, by_y, by_z, by_roll, by_yaw = stored(
-        table, model.node, model.cell, model.branch, model.heights, y, roll, yaw, z, sample
+        table, model.cell, model.branch, model.heights, y, roll, yaw, z, sample
     )
     if found <= 0:
         return found
@@ -427,7 +430,7 @@ def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
         f11, f22, f23, f33 = stiffness(a, b, table["shear"], table["poisson"])
         contact["semi_x"], contact["semi_y"] = a, b
         contact["f11"], contact["f22"], contact["f23"], contact["f33"] = f11, f22, f23, f33
-        contact["depth"] = depth
+        contact["depth"], contact["pressure"] = depth, sample[j, SHARED_PRESSURE]
         contact["region"] = region(model.heights, table["levels"] + REGIONS, lateral)
         normal = (0.0, side * force_y, force_z)
         lever = sub(lever_arm(axle_rail, side * (wheel["lateral"] + lateral), radius, slope), tape)

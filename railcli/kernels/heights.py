@@ -11,8 +11,8 @@ the force is the exact gradient of one energy, whatever the splines leave out.
 from math import sqrt
 
 from .jit import kernel
-from .layout import HEIGHTS, MAX_CONTACT, NODE_CHANNELS, PARTS, PATCH_ROWS, Part
-from .rows import mix, weave
+from .layout import HEIGHTS, MAX_CONTACT, NODE_CHANNELS, Part
+from .rows import mix_two, weave
 
 POWER = 2.5  # of w in the energy
 WEIGHTS, REGIONS, SHEAR, HEAD = 1, 4, 5, 6  # rows after that of w_l: weights of slopes, parts of the wheel, shears; axes
@@ -25,6 +25,7 @@ LATERAL = Part.LATERAL.value
 RADIUS = Part.RADIUS.value
 SEMI_X = Part.SEMI_X.value
 SEMI_Y = Part.SEMI_Y.value
+PRESSURE = Part.PRESSURE.value
 
 
 @kernel
@@ -73,7 +74,7 @@ def basis(heights, knots, row, i, x):
 
 
 @kernel
-def stored(table, node, cell, branch, heights, y, roll, yaw, z, sample):
+def stored(table, cell, branch, heights, y, roll, yaw, z, sample):
     """Energy and its gradient when the wheel's reference point is at z, and the patches that share the force.
 
     sample : rows 0 ... of as many patches, from the flange to the field side, filled as `Part` says with SEMI_X and
@@ -113,7 +114,7 @@ def stored(table, node, cell, branch, heights, y, roll, yaw, z, sample):
         return 0, 0.0, 0.0, 0.0, 0.0, 0.0
     force = POWER * w * sqrt(w) / rate
     place = table["cell_base"] + (ir * (nw - 1) + iw) * (ny - 1) + iy
-    count = share_out(table, node, cell, branch, heights, place, ty, tr, tw, w, sample)
+    count = share_out(table, cell, branch, heights, place, ty, tr, tw, w, sample)
     along_roll, along_yaw2 = along_roll - per_roll * along_y, along_yaw2 - per_yaw2 * along_y
     return count, w * rate, -force * along_y, force, -force * along_roll, -2.0 * yaw * force * along_yaw2
 
@@ -195,7 +196,7 @@ def at_height(heights, head, sample, z):
 
 
 @kernel
-def share_out(table, node, cell, branch, heights, place, ty, tr, tw, w, sample):
+def share_out(table, cell, branch, heights, place, ty, tr, tw, w, sample):
     """Patches of one pose: linear between the corners of its cell and in w. Returns how many.
 
     Where a part of the contact ends within the cell its share fades with the corners that have it, and the rest is
@@ -216,37 +217,36 @@ def share_out(table, node, cell, branch, heights, place, ty, tr, tw, w, sample):
         n, weights, part = reached(branch, b, full)
         if part < 1e-9:
             continue
-        at = table["node_base"]
+        at = table["parts"] + l
         rows = (
-            at + PATCH_ROWS * n[0], at + PATCH_ROWS * n[1], at + PATCH_ROWS * n[2], at + PATCH_ROWS * n[3],
-            at + PATCH_ROWS * n[4], at + PATCH_ROWS * n[5], at + PATCH_ROWS * n[6], at + PATCH_ROWS * n[7],
+            at + HEIGHTS * n[0], at + HEIGHTS * n[1], at + HEIGHTS * n[2], at + HEIGHTS * n[3],
+            at + HEIGHTS * n[4], at + HEIGHTS * n[5], at + HEIGHTS * n[6], at + HEIGHTS * n[7],
         )  # fmt: skip
-        mix(node, rows, weights, sample, MAX_CONTACT)
-        rows = (
-            rows[0] + 1, rows[1] + 1, rows[2] + 1, rows[3] + 1, rows[4] + 1, rows[5] + 1, rows[6] + 1, rows[7] + 1
-        )  # fmt: skip
-        mix(node, rows, weights, sample, MAX_CONTACT + 1)
-        share = part * between(sample, l, SHARE, t)
-        if not share > 0.0:
-            continue
-        count = gather(
-            sample, count, share, between(sample, l, SLOPE, t), between(sample, l, LATERAL, t),
-            between(sample, l, RADIUS, t), root * between(sample, l, SEMI_X, t), root * between(sample, l, SEMI_Y, t),
-        )  # fmt: skip
+        mix_two(heights, rows, weights, sample, MAX_CONTACT)
+        share = part * between(sample, SHARE, t)
+        if share > 0.0:
+            count = gather(sample, count, share, t, root)
     return count
 
 
 @kernel
-def gather(sample, count, share, slope, lateral, radius, a, b):
-    """Add a part of the contact to the patches; one that lies within another is the same. Returns how many they are."""
+def gather(sample, count, share, t, root):
+    """Add the part of the contact at hand to the patches; one that lies within another is the same.
+
+    t, root : its place between two heights, and w^0.5 [J^0.2].  Returns how many patches there are.
+    """
+    slope, lateral, radius = between(sample, SLOPE, t), between(sample, LATERAL, t), between(sample, RADIUS, t)
+    a, b, pressure = (
+        root * between(sample, SEMI_X, t), root * between(sample, SEMI_Y, t), root * between(sample, PRESSURE, t)
+    )  # fmt: skip
     at, least = count, TOUCHING
     for k in range(count):
         away = abs(lateral - sample[k, LATERAL]) * sqrt(1.0 + slope * slope) / (b + sample[k, SEMI_Y])
         if away < least or (count == MAX_CONTACT and at == count):
             at, least = k, away
     if at == count:
-        sample[at, SHARE], sample[at, SLOPE], sample[at, LATERAL] = share, slope, lateral
-        sample[at, RADIUS], sample[at, SEMI_X], sample[at, SEMI_Y] = radius, a, b
+        sample[at, SHARE], sample[at, SLOPE], sample[at, LATERAL], sample[at, RADIUS] = share, slope, lateral, radius
+        sample[at, SEMI_X], sample[at, SEMI_Y], sample[at, PRESSURE] = a, b, pressure
         return count + 1
     new = share / (share + sample[at, SHARE])
     sample[at, SHARE] += share
@@ -255,15 +255,14 @@ def gather(sample, count, share, slope, lateral, radius, a, b):
     sample[at, RADIUS] += new * (radius - sample[at, RADIUS])
     sample[at, SEMI_X] += new * (a - sample[at, SEMI_X])
     sample[at, SEMI_Y] += new * (b - sample[at, SEMI_Y])
+    sample[at, PRESSURE] += new * (pressure - sample[at, PRESSURE])
     return count
 
 
 @kernel
-def between(sample, l, channel, t):
-    """A member of `Part` between heights l and l + 1 of the mixed rows."""
-    low, high = l * PARTS + channel, (l + 1) * PARTS + channel
-    below = sample[MAX_CONTACT + low // NODE_CHANNELS, low % NODE_CHANNELS]
-    above = sample[MAX_CONTACT + high // NODE_CHANNELS, high % NODE_CHANNELS]
+def between(sample, channel, t):
+    """A member of `Part` between the two heights at hand."""
+    below, above = sample[MAX_CONTACT, channel], sample[MAX_CONTACT, HEIGHTS + channel]
     return below + t * (above - below)
 
 

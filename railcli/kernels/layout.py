@@ -18,7 +18,7 @@ CURVE_KNOTS = 32
 NODE_CHANNELS = 24
 PATH_ORDER = 8
 PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
-HEIGHTS = 8  # energies at which a table of heights is kept; w = U^0.4 in J^0.4
+HEIGHTS = 8  # energies at which a table of heights is kept; numbers in each of its rows
 PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 SAMPLE_ROWS = MAX_CONTACT + PATCH_ROWS
 SHIFT_CHANNELS = 8  # right rail: lateral [m], its slope [-], vertical [m], its slope [-]; left rail likewise
@@ -205,6 +205,7 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("yaw2_knots", "i8"),
         ("yaw2_basis", "i8"),
         ("coefficients", "i8"),
+        ("parts", "i8"),  # of the contact: HEIGHTS rows for each node
         ("shear", "f8"),  # shear modulus of wheel and rail [Pa]
         ("poisson", "f8"),  # [-]
     ],
@@ -256,7 +257,7 @@ PRESS_CHANNELS = len(Press)
 
 
 class Part(IntEnum):
-    """What the rows of a node of a table of heights hold for each height, in this order (theory.md section 6.8)."""
+    """What a table of heights holds of each part of the contact at every height, one row each (theory.md section 6.8)."""
 
     SHARE = 0  # of the normal forces of the wheel [-]
     SLOPE = 1  # tangent of the contact angle of its resultant [-]
@@ -264,9 +265,8 @@ class Part(IntEnum):
     RADIUS = 3  # distance of that from the axle [m]
     SEMI_X = 4  # a / w^0.5 [m/J^0.2]
     SEMI_Y = 5  # b / w^0.5, of the ellipse with its a and area [m/J^0.2]
-
-
-PARTS = len(Part)
+    PRESSURE = 6  # greatest one / w^0.5 [Pa/J^0.2]
+    UNUSED = 7
 
 
 class Region(IntEnum):
@@ -319,6 +319,7 @@ CONTACT = np.dtype(  # derived: one contact patch; forces on the wheel, contact 
         ("f22", "f8"),  # [N]
         ("f23", "f8"),  # [N m]
         ("f33", "f8"),  # [N m^2]
+        ("pressure", "f8"),  # greatest [Pa]
         ("stiffness", "f8"),  # of the normal force over the approach [N/m]
         ("viscosity", "f8"),  # over its rate [N s/m]
     ],

@@ -97,11 +97,13 @@ def _weave(context, builder, signature, arguments):
 
     def times(vector, weight, c):
         lane = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), builder.extract_value(weight, c), LANE(0))
-        return builder.fmul(vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * HEIGHTS)))
+        return builder.fmul(
+            vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * HEIGHTS)), flags=["contract"]
+        )
 
     def add(total, vector, weight, c):
         term = times(vector, weight, c)
-        return term if total is None else builder.fadd(total, term)
+        return term if total is None else builder.fadd(total, term, flags=["contract"])
 
     value = along_y = along_roll = along_yaw2 = None
     for a in range(4):
@@ -122,6 +124,40 @@ def _weave(context, builder, signature, arguments):
         at = builder.gep(out, [row.type(k * HEIGHTS)])
         builder.store(vector, builder.bitcast(at, VECTOR.as_pointer()), align=8)
     return context.get_dummy_value()
+
+
+def _mix_two(context, builder, signature, arguments):
+    heights, places, weights, results, row = arguments
+    for half in range(2):
+        total = None
+        for c in range(len(signature.args[1])):
+            start = _address(context, builder, signature.args[0], heights, builder.extract_value(places, c), HEIGHTS)
+            at = builder.gep(start, [ir.IntType(64)(half * HEIGHTS)])
+            vector = builder.load(builder.bitcast(at, VECTOR.as_pointer()), align=8)
+            lane = builder.insert_element(
+                ir.Constant(VECTOR, ir.Undefined), builder.extract_value(weights, c), LANE(0)
+            )
+            term = builder.fmul(vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * HEIGHTS)))
+            total = term if total is None else builder.fadd(total, term)
+        out = _address(context, builder, signature.args[-2], results, row, NODE_CHANNELS)
+        at = builder.gep(out, [ir.IntType(64)(half * HEIGHTS)])
+        builder.store(total, builder.bitcast(at, VECTOR.as_pointer()), align=8)
+    return context.get_dummy_value()
+
+
+@intrinsic
+def mix_two(typingctx, heights, n, w, sample, row):
+    """The sums of w[c] heights[n[c]] and of w[c] heights[n[c] + 1], one behind the other from the beginning of a row.
+
+    Parameters
+    ----------
+    heights : C-contiguous array (..., HEIGHTS)
+    n, w : tuples of integers and of as many floats
+    sample : C-contiguous array (..., NODE_CHANNELS)
+    row : int
+        Of sample.
+    """
+    return (types.void(heights, n, w, sample, row), _mix_two) if _are_rows(heights, sample) else None
 
 
 @intrinsic

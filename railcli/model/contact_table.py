@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import NO_HEIGHTS, PATCH_ROWS, TABLE
+from railcli.kernels.layout import HEIGHTS, NO_HEIGHTS, PATCH_ROWS, TABLE
 
 from .heights import places
 from .profile import TAPE_LIMITS, TAPE_TO_BACK
@@ -16,7 +16,7 @@ from .submodels import NORMAL_LAWS, choose
 
 VERSION = 2  # of the table's meaning; a table of another version is refused
 
-OF_HEIGHTS = "y_knots", "y_basis", "roll_knots", "roll_basis", "yaw2_knots", "yaw2_basis", "coefficients"
+OF_HEIGHTS = "y_knots", "y_basis", "roll_knots", "roll_basis", "yaw2_knots", "yaw2_basis", "coefficients", "parts"
 SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
@@ -226,12 +226,11 @@ class ContactTable:
         "simplex" or "locus".
     node : array (n_row, NODE_CHANNELS)
         Contact points at grid poses, channels as `kernels.layout.Node`; with `settings.patches` behind them PATCH_ROWS
-        rows for each, as `kernels.layout.Press`. With `settings.stores_heights` only PATCH_ROWS rows for each, as
-        `kernels.layout.Part`.
+        rows for each, as `kernels.layout.Press`. None with `settings.stores_heights`.
     cell : int32 array (n_cell + 1,)
         First branch of each cell, cells ordered roll, yaw^2, y (fastest).
     branch : int32 array (n_branch, 8)
-        Node at each corner of the cell (bit 0: y, 1: roll, 2: yaw^2); -1 where the branch ends before it.
+        Node, or part of the contact, at each corner of the cell (bit 0: y, 1: roll, 2: yaw^2); -1 where the branch ends before it.
     heights : array (n, HEIGHTS)
         As `model.heights.pack`; empty unless `settings.stores_heights`.
     counts : tuple of int
@@ -260,8 +259,9 @@ class ContactTable:
     @property
     def points(self):
         """Number of contact points."""
-        rows = PATCH_ROWS if self.settings.stores_heights else 1 + PATCH_ROWS if self.settings.patches else 1
-        return self.node.shape[0] // rows
+        if self.settings.stores_heights:
+            return (self.heights.shape[0] - places(self.counts)[-1]) // HEIGHTS
+        return self.node.shape[0] // (1 + PATCH_ROWS) if self.settings.patches else self.node.shape[0]
 
     @property
     def record(self):
@@ -276,7 +276,7 @@ class ContactTable:
         record["shear"], record["poisson"] = 0.5 * s.young / (1.0 + s.poisson), s.poisson
         if s.stores_heights:
             record["levels"] = 0
-            for key, row in zip(OF_HEIGHTS, places(self.counts)[0], strict=True):
+            for key, row in zip(OF_HEIGHTS, places(self.counts), strict=True):
                 record[key] = row
         return record
 

@@ -10,7 +10,7 @@ ORDER = 3
 LEAST = ORDER + 1  # knots of an axis
 
 
-def pack(levels, regions, shear, axes, values):
+def pack(levels, regions, shear, axes, values, parts):
     """Rows of a table of heights.
 
     Parameters
@@ -25,6 +25,8 @@ def pack(levels, regions, shear, axes, values):
         Rising knots of that [m], roll [rad] and yaw^2 [rad^2]; the heights are given there.
     values : array (n_roll, n_yaw2, n_y, HEIGHTS)
         [m]
+    parts : array (n, HEIGHTS)
+        Of the contact, as `kernels.columns.fill_columns`.
 
     Returns
     -------
@@ -41,11 +43,11 @@ def pack(levels, regions, shear, axes, values):
     rows = [head]
     for knots in axes:
         rows += [_rows(knots), _rows(cubics(knots))]
-    return np.ascontiguousarray(np.concatenate([*rows, coefficients.reshape(-1, HEIGHTS)]))
+    return np.ascontiguousarray(np.concatenate([*rows, coefficients.reshape(-1, HEIGHTS), parts]))
 
 
 def places(counts):
-    """Rows at which the parts of `pack` begin: knots and cubics of each axis in turn, coefficients; and how many in all.
+    """Rows at which knots and cubics of each axis in turn, coefficients, and the parts of the contact begin.
 
     counts : numbers of knots of y, roll and yaw^2.
     """
@@ -53,12 +55,12 @@ def places(counts):
     for count in counts:
         found += [at, at + _row_count(count)]
         at = found[-1] + 2 * (count - 1)
-    return [*found, at], at + int(np.prod(counts))
+    return [*found, at, at + int(np.prod(counts))]
 
 
 def knots_of(heights, counts):
     """Knots of y, roll and yaw^2 from the rows of `pack`."""
-    starts, _ = places(counts)
+    starts = places(counts)
     return [
         heights[start : start + _row_count(count)].ravel()[:count]
         for start, count in zip(starts[0:6:2], counts, strict=True)
