@@ -301,7 +301,6 @@ TABLE_OR_LINES = 0.01  # relative: curvature of the profiles over 0.5 mm; what r
 SAME_CYCLE = 0.02  # of the amplitude: a ramp stops at 1 % of change from window to window
 CYCLE_FREQUENCY = 0.05  # relative: one amplitude stands for four wheelsets of 1.7 to 2.9 mm; creep that saturates
 DESCRIBING = 1e-6  # straight between 1/1000 of the amplitude; rounding of distances of 1e-3 m over 1 mm
-BOTH_CONFORMING = 0.06  # times the square of the half angle: arc for chord and what both bodies widen; theory.md 6.7
 TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
 LINE = 1e-4  # relative: second order in y = 0.1 mm and its roll
 SINE = 1e-5  # relative: crossings by straight lines between 75 samples per period
@@ -419,7 +418,7 @@ ELEMENT_AREA = 0.01  # strips end between elements; measured 0.4 %
 ELEMENT_GAP = 1e-4  # of the greatest overlap: conjugate gradients stop when pressures move by 1e-7 of their sum
 RECTANGLE = 1e-9  # of an integral that scipy's quadrature gives
 FAR_PATCH = 3e-3  # a patch of 3 mm seen from 15 mm is a point but for (a / r)^2 / 5, of a pull of a tenth
-CONFORMING = 0.06  # times the square of the half angle: arc for chord and what both bodies widen; theory.md 6.7
+CONFORMING = 0.06  # times the square of the half angle: arc for chord and what both bodies widen; docs/contact-validation.md
 TOUCH = 1e-9  # [m] minima of two searches, each 1e-6 m of its place, times slopes that vanish there
 STORED_ROLL = 1e-9  # [rad] printed with six decimals of a milliradian
 STORED_TOUCH = 2e-9  # [m] printed to the nanometre
@@ -427,3 +426,11 @@ COARSE_SINK = 1e-3  # from fewer elements to the stored ones
 COARSE_PRESSURE = 0.01
 COARSE_AREA = 0.03
 COARSE_PLACE = 0.02e-3  # [m]
+
+# The normal law of strips
+ENERGY_SLOPE = 2e-3  # differences of an energy known to 1e-7 over steps of 0.2 um, second order in a patch's edges
+CLOSED_PATH = 1e-3  # of the largest energy: the aim of the law, with the trapezoidal rule along the path
+FINE_SWEEP = 200.0  # [N] over 50 nm: a wheel of 70 kN on a flank of 70 degrees gains 60 N by depth alone
+JOINING = 0.05  # second difference of the force over 10 um: 80 um of overlap grow by a third
+STORED_PLACE = 0.02e-3  # [m] between nodes
+STRIP_WIDTH = 5e-3  # four strips over a half width leave 0.7 % of the force, eight 0.2 %
