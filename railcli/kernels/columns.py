@@ -110,7 +110,8 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
 
     Strips that bear side by side are one part, of the minimum in whose basin they bear most.
 
-    w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (count, 9) scratch.  patches : (count, HEIGHTS, len(Part)).
+    w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (count, 9) scratch.
+    patches : (count, HEIGHTS, HEIGHTS) filled at `level`.
     """
     sums[:count] = 0.0
     total = 0.0

@@ -8,9 +8,19 @@ from math import isfinite, sqrt
 
 from .heights import REGIONS, stored
 from .hertz import pressure
-from .jit import kernel, seldom
+from .jit import kernel
 from .kalker import stiffness
-from .layout import MAX_CONTACT, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, PRESS_CHANNELS, Node, Part, Press, Status
+from .layout import (
+    MAX_CONTACT,
+    NODE_CHANNELS,
+    PATCH_PENETRATIONS,
+    PATCH_ROWS,
+    PRESS_CHANNELS,
+    Node,
+    Part,
+    Press,
+    Status,
+)
 from .rows import mix, mix_bent
 from .shift import IDEAL, along_bent, course, rail_axes, shift_rail, turned
 from .trig import arc_sine
@@ -390,7 +400,7 @@ def touch_branches(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
     return found
 
 
-@seldom
+@kernel
 def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
     """Patches of wheel w that share the force of a table of heights; returns how many, as `heights.stored`.
 
@@ -445,7 +455,7 @@ def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
 
 @kernel
 def reference(wheel, axes, axle):
-    """In the axes of the rail: forward, axle and down of the wheelset, and the bottom of the tape circle from its centre."""
+    """In the axes of the rail: forward, axle, down of the wheelset; the bottom of the tape circle from its centre."""
     along, right, below = axes
     axle = (dot(along, axle), dot(right, axle), dot(below, axle))
     cr = sqrt(1.0 - axle[2] * axle[2])

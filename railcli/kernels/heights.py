@@ -1,7 +1,8 @@
 """Look-up in a table of heights: energy, force and patches of a wheel (theory.md section 6.8).
 
 For every pose (y, roll, yaw^2) the table holds the heights z_l at which the wheel stores the energies U_l = w_l^2.5, as
-cubic splines over all three, in a grid that is sheared along y so that it follows the flange. Between them z is a cubic of w, so that z = z(w; y, roll, yaw^2) gives w, and
+cubic splines over all three, in a grid that is sheared along y so that it follows the flange. Between them z is a cubic
+of w, so that z = z(w; y, roll, yaw^2) gives w, and
 
     U = w^2.5,   dU/dz = 2.5 w^1.5 / (dz/dw),   dU/dy = -dU/dz dz/dy,   and so on:
 
@@ -11,13 +12,14 @@ the force is the exact gradient of one energy, whatever the splines leave out.
 from math import sqrt
 
 from .jit import kernel
-from .layout import HEIGHTS, MAX_CONTACT, NODE_CHANNELS, Part
+from .layout import HEIGHTS, MAX_CONTACT, Part
 from .rows import mix_two, weave
 
 POWER = 2.5  # of w in the energy
-WEIGHTS, REGIONS, SHEAR, HEAD = 1, 4, 5, 6  # rows after that of w_l: weights of slopes, parts of the wheel, shears; axes
+WEIGHTS, REGIONS, SHEAR, HEAD = 1, 4, 5, 6  # rows after that of w_l: weights of slopes, parts of the wheel, shears
 NEWTON = 8
-SOLVED = 1e-12  # of w [-]
+AT = MAX_CONTACT  # row of a sample from which the heights of the pose at hand stand, and parts of the contact
+NEARLY = 1e-6  # step of Newton's method in w over two heights after which the next would be rounding
 TOUCHING = 0.8  # distance of two patches over their half widths below which they are one
 SHARE = Part.SHARE.value
 SLOPE = Part.SLOPE.value
@@ -35,18 +37,19 @@ def knot(heights, row, i):
 
 
 @kernel
-def interval(heights, row, count, x):
-    """Interval of the knots in which x lies; -1 when it lies outside or is not a number."""
-    if not (x >= knot(heights, row, 0) and x <= knot(heights, row, count - 1)):
+def interval(heights, bins, knots, count, x):
+    """Interval of the knots in which x lies; -1 when it lies outside or is not a number.
+
+    The first two numbers of the row `bins` are how many equal bins there are per unit of x and how many in all; each
+    holds the interval in which it begins.
+    """
+    place = (x - heights[knots, 0]) * heights[bins, 0]
+    if not (place >= 0.0 and x <= knot(heights, knots, count - 1)):
         return -1
-    low, high = 0, count - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if knot(heights, row, middle) <= x:
-            low = middle
-        else:
-            high = middle
-    return low
+    i = int(knot(heights, bins + 1, min(int(place), int(heights[bins, 1]) - 1)))
+    while i < count - 2 and x >= knot(heights, knots, i + 1):
+        i += 1
+    return i
 
 
 @kernel
@@ -92,9 +95,9 @@ def stored(table, cell, branch, heights, y, roll, yaw, z, sample):
     square = yaw * yaw
     per_roll, per_yaw2 = heights[table["levels"] + SHEAR, 0], heights[table["levels"] + SHEAR, 1]
     y -= per_roll * roll + per_yaw2 * square
-    iy = interval(heights, table["y_knots"], table["y_count"], y)
-    ir = interval(heights, table["roll_knots"], table["roll_count"], roll)
-    iw = interval(heights, table["yaw2_knots"], table["yaw2_count"], square)
+    iy = interval(heights, table["y_bins"], table["y_knots"], table["y_count"], y)
+    ir = interval(heights, table["roll_bins"], table["roll_knots"], table["roll_count"], roll)
+    iw = interval(heights, table["yaw2_bins"], table["yaw2_knots"], table["yaw2_count"], square)
     if iy < 0 or ir < 0 or iw < 0:
         return -1, 0.0, 0.0, 0.0, 0.0, 0.0
     ny, nw = table["y_count"], table["yaw2_count"]
@@ -107,7 +110,7 @@ def stored(table, cell, branch, heights, y, roll, yaw, z, sample):
         + first_spline(iy, ny)
     )
     weave(
-        heights, first, nw * ny, ny, by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2, sample, MAX_CONTACT
+        heights, first, nw * ny, ny, by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2, sample, AT
     )
     w, rate, along_y, along_roll, along_yaw2 = at_height(heights, table["levels"], sample, z)
     if not w > 0.0:
@@ -126,30 +129,21 @@ def first_spline(i, count):
 
 
 @kernel
-def height(sample, l):
-    """Height l of the pose at hand, and its derivatives by y, roll and yaw^2."""
-    row = MAX_CONTACT
-    return (
-        sample[row, l],
-        sample[row, HEIGHTS + l],
-        sample[row + (2 * HEIGHTS + l) // NODE_CHANNELS, (2 * HEIGHTS + l) % NODE_CHANNELS],
-        sample[row + (3 * HEIGHTS + l) // NODE_CHANNELS, (3 * HEIGHTS + l) % NODE_CHANNELS],
-    )
+def height(sample, k):
+    """Height k of the pose at hand, and its derivatives by y, roll and yaw^2."""
+    return sample[AT, k], sample[AT + 1, k], sample[AT + 2, k], sample[AT + 3, k]
 
 
 @kernel
-def slopes(heights, head, sample, l):
-    """dz/dw at height l, by the parabola through it and its neighbours, and its derivatives by y, roll and yaw^2."""
-    k = min(max(l - 1, 0), HEIGHTS - 3)
-    a, b, c = (
-        heights[head + WEIGHTS, l], heights[head + WEIGHTS + 1, l], heights[head + WEIGHTS + 2, l]
-    )  # fmt: skip
-    p, q, r = height(sample, k), height(sample, k + 1), height(sample, k + 2)
+def slopes(heights, head, sample, k):
+    """dz/dw at height k, by the parabola through it and its neighbours, and its derivatives by y, roll and yaw^2."""
+    i = min(max(k - 1, 0), HEIGHTS - 3)
+    a, b, c = heights[head + WEIGHTS, k], heights[head + WEIGHTS + 1, k], heights[head + WEIGHTS + 2, k]
     return (
-        a * p[0] + b * q[0] + c * r[0],
-        a * p[1] + b * q[1] + c * r[1],
-        a * p[2] + b * q[2] + c * r[2],
-        a * p[3] + b * q[3] + c * r[3],
+        a * sample[AT, i] + b * sample[AT, i + 1] + c * sample[AT, i + 2],
+        a * sample[AT + 1, i] + b * sample[AT + 1, i + 1] + c * sample[AT + 1, i + 2],
+        a * sample[AT + 2, i] + b * sample[AT + 2, i + 1] + c * sample[AT + 2, i + 2],
+        a * sample[AT + 3, i] + b * sample[AT + 3, i + 1] + c * sample[AT + 3, i + 2],
     )
 
 
@@ -160,35 +154,33 @@ def at_height(heights, head, sample, z):
     Cubic between two heights; straight below the first, where w may be negative: no contact, and beyond the last.
     """
     top = HEIGHTS - 1
-    if not z > sample[MAX_CONTACT, 0] or not z < sample[MAX_CONTACT, top]:
-        l = 0 if not z > sample[MAX_CONTACT, 0] else top
-        here, slope = height(sample, l), slopes(heights, head, sample, l)
+    if not z > sample[AT, 0] or not z < sample[AT, top]:
+        k = 0 if not z > sample[AT, 0] else top
+        here, slope = height(sample, k), slopes(heights, head, sample, k)
         out = (z - here[0]) / slope[0]
         return (
-            heights[head, l] + out, slope[0],
+            heights[head, k] + out, slope[0],
             here[1] + out * slope[1], here[2] + out * slope[2], here[3] + out * slope[3],
         )  # fmt: skip
-    l = 0
-    while z > sample[MAX_CONTACT, l + 1]:
-        l += 1
-    span = heights[head, l + 1] - heights[head, l]
-    low, high = height(sample, l), height(sample, l + 1)
-    left, right = slopes(heights, head, sample, l), slopes(heights, head, sample, l + 1)
+    k = 0
+    while z > sample[AT, k + 1]:
+        k += 1
+    span = heights[head, k + 1] - heights[head, k]
+    low, high = height(sample, k), height(sample, k + 1)
+    left, right = slopes(heights, head, sample, k), slopes(heights, head, sample, k + 1)
     rise, m0, m1 = high[0] - low[0], span * left[0], span * right[0]
     c2, c3 = 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise
     t = (z - low[0]) / rise
-    rate = rise
     for _ in range(NEWTON):
-        rate = m0 + t * (2.0 * c2 + 3.0 * t * c3)
-        move = (z - low[0] - t * (m0 + t * (c2 + t * c3))) / rate
+        move = (z - low[0] - t * (m0 + t * (c2 + t * c3))) / (m0 + t * (2.0 * c2 + 3.0 * t * c3))
         t += move
-        if abs(move) < SOLVED:
+        if abs(move) < NEARLY:
             break
     late = t * t * (3.0 - 2.0 * t)
     left_part, right_part = span * t * (1.0 - t) * (1.0 - t), span * t * t * (t - 1.0)
     return (
-        heights[head, l] + t * span,
-        rate / span,
+        heights[head, k] + t * span,
+        (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / span,
         low[1] + late * (high[1] - low[1]) + left_part * left[1] + right_part * right[1],
         low[2] + late * (high[2] - low[2]) + left_part * left[2] + right_part * right[2],
         low[3] + late * (high[3] - low[3]) + left_part * left[3] + right_part * right[3],
@@ -206,10 +198,10 @@ def share_out(table, cell, branch, heights, place, ty, tr, tw, w, sample):
     q0, q1, q2, q3 = ay * ar, ty * ar, ay * tr, ty * tr
     full = (q0 * aw, q1 * aw, q2 * aw, q3 * aw, q0 * tw, q1 * tw, q2 * tw, q3 * tw)
     head = table["levels"]
-    l = 0
-    while l < HEIGHTS - 2 and w > heights[head, l + 1]:
-        l += 1
-    t = (w - heights[head, l]) / (heights[head, l + 1] - heights[head, l])
+    k = 0
+    while k < HEIGHTS - 2 and w > heights[head, k + 1]:
+        k += 1
+    t = (w - heights[head, k]) / (heights[head, k + 1] - heights[head, k])
     t = min(max(t, 0.0), 1.0)
     root = sqrt(w)
     count = 0
@@ -217,12 +209,12 @@ def share_out(table, cell, branch, heights, place, ty, tr, tw, w, sample):
         n, weights, part = reached(branch, b, full)
         if part < 1e-9:
             continue
-        at = table["parts"] + l
+        at = table["parts"] + k
         rows = (
             at + HEIGHTS * n[0], at + HEIGHTS * n[1], at + HEIGHTS * n[2], at + HEIGHTS * n[3],
             at + HEIGHTS * n[4], at + HEIGHTS * n[5], at + HEIGHTS * n[6], at + HEIGHTS * n[7],
         )  # fmt: skip
-        mix_two(heights, rows, weights, sample, MAX_CONTACT)
+        mix_two(heights, rows, weights, sample, AT)
         share = part * between(sample, SHARE, t)
         if share > 0.0:
             count = gather(sample, count, share, t, root)
@@ -262,7 +254,7 @@ def gather(sample, count, share, t, root):
 @kernel
 def between(sample, channel, t):
     """A member of `Part` between the two heights at hand."""
-    below, above = sample[MAX_CONTACT, channel], sample[MAX_CONTACT, HEIGHTS + channel]
+    below, above = sample[AT, channel], sample[AT, HEIGHTS + channel]
     return below + t * (above - below)
 
 
@@ -275,8 +267,10 @@ def reached(branch, b, w):
     c0, c1, c2, c3 = branch[b, 0], branch[b, 1], branch[b, 2], branch[b, 3]
     c4, c5, c6, c7 = branch[b, 4], branch[b, 5], branch[b, 6], branch[b, 7]
     n = max(c0, 0), max(c1, 0), max(c2, 0), max(c3, 0), max(c4, 0), max(c5, 0), max(c6, 0), max(c7, 0)
-    w0, w1, w2, w3 = w[0] if c0 >= 0 else 0.0, w[1] if c1 >= 0 else 0.0, w[2] if c2 >= 0 else 0.0, w[3] if c3 >= 0 else 0.0
-    w4, w5, w6, w7 = w[4] if c4 >= 0 else 0.0, w[5] if c5 >= 0 else 0.0, w[6] if c6 >= 0 else 0.0, w[7] if c7 >= 0 else 0.0
+    w0, w1 = w[0] if c0 >= 0 else 0.0, w[1] if c1 >= 0 else 0.0
+    w2, w3 = w[2] if c2 >= 0 else 0.0, w[3] if c3 >= 0 else 0.0
+    w4, w5 = w[4] if c4 >= 0 else 0.0, w[5] if c5 >= 0 else 0.0
+    w6, w7 = w[6] if c6 >= 0 else 0.0, w[7] if c7 >= 0 else 0.0
     part = (w0 + w1 + w2 + w3) + (w4 + w5 + w6 + w7)
     share = 1.0 / max(part, 1e-300)
     return n, (w0 * share, w1 * share, w2 * share, w3 * share, w4 * share, w5 * share, w6 * share, w7 * share), part

@@ -20,7 +20,7 @@ PATH_ORDER = 8
 PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
 HEIGHTS = 8  # energies at which a table of heights is kept; numbers in each of its rows
 PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
-SAMPLE_ROWS = MAX_CONTACT + PATCH_ROWS
+SAMPLE_ROWS = MAX_CONTACT + 4  # patches, then rows at hand
 SHIFT_CHANNELS = 8  # right rail: lateral [m], its slope [-], vertical [m], its slope [-]; left rail likewise
 
 
@@ -197,7 +197,10 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("branch_base", "i8"),  # where its branches begin in Model.branch
         ("node_base", "i8"),  # where its nodes begin in Model.node
         ("patch_base", "i8"),  # where the patches of its nodes begin, counted from there; -1: Hertz's ellipses
-        ("levels", "i8"),  # first row of its heights in Model.heights, of those of its axes; -1: none
+        ("levels", "i8"),  # where its heights begin in Model.heights, -1: it has none; then what belongs to its axes
+        ("y_bins", "i8"),
+        ("roll_bins", "i8"),
+        ("yaw2_bins", "i8"),
         ("y_knots", "i8"),
         ("y_basis", "i8"),
         ("roll_knots", "i8"),
@@ -257,7 +260,7 @@ PRESS_CHANNELS = len(Press)
 
 
 class Part(IntEnum):
-    """What a table of heights holds of each part of the contact at every height, one row each (theory.md section 6.8)."""
+    """What a table of heights holds of each part of the contact at every height, in rows (theory.md section 6.8)."""
 
     SHARE = 0  # of the normal forces of the wheel [-]
     SLOPE = 1  # tangent of the contact angle of its resultant [-]

@@ -119,9 +119,8 @@ def _weave(context, builder, signature, arguments):
             turned = add(turned, height, slope_yaw2, b)
         value, along_y = add(value, plain, by_roll, a), add(along_y, bent, by_roll, a)
         along_yaw2, along_roll = add(along_yaw2, turned, by_roll, a), add(along_roll, plain, slope_roll, a)
-    out = _address(context, builder, signature.args[-2], results, row, NODE_CHANNELS)
     for k, vector in enumerate((value, along_y, along_roll, along_yaw2)):
-        at = builder.gep(out, [row.type(k * HEIGHTS)])
+        at = _address(context, builder, signature.args[-2], results, builder.add(row, row.type(k)), NODE_CHANNELS)
         builder.store(vector, builder.bitcast(at, VECTOR.as_pointer()), align=8)
     return context.get_dummy_value()
 
@@ -175,7 +174,7 @@ def weave(
     by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2 : tuples of four floats
         Weights along each axis and their derivatives.
     sample : C-contiguous array (..., NODE_CHANNELS)
-        From its `row` on filled with sum, derivatives by y, roll and yaw^2, HEIGHTS numbers each.
+        From its `row` on filled with the sum and its derivatives by y, roll and yaw^2, a row each.
     row : int
     """
     if not _are_rows(heights, sample):

@@ -219,7 +219,7 @@ def press(strip, square, h, first, last, elastic, far, near, tolerance, most, q,
 
 @kernel
 def seed(strip, h, first, last, elastic, q):
-    """Begin with a load wherever a patch may bear: loads that vanish do so in one sweep, those that appear take many."""
+    """Begin with a load wherever a patch may bear: loads vanish in one sweep, but take many to appear."""
     low = first
     for k in range(first, last):
         if not h[k] > 0.0:

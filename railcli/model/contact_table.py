@@ -16,7 +16,10 @@ from .submodels import NORMAL_LAWS, choose
 
 VERSION = 2  # of the table's meaning; a table of another version is refused
 
-OF_HEIGHTS = "y_knots", "y_basis", "roll_knots", "roll_basis", "yaw2_knots", "yaw2_basis", "coefficients", "parts"
+OF_HEIGHTS = (
+    *(f"{axis}_{kind}" for axis in ("y", "roll", "yaw2") for kind in ("bins", "knots", "basis")),
+    "coefficients", "parts",
+)  # fmt: skip
 SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
@@ -230,7 +233,8 @@ class ContactTable:
     cell : int32 array (n_cell + 1,)
         First branch of each cell, cells ordered roll, yaw^2, y (fastest).
     branch : int32 array (n_branch, 8)
-        Node, or part of the contact, at each corner of the cell (bit 0: y, 1: roll, 2: yaw^2); -1 where the branch ends before it.
+        Node, or part of the contact, at each corner of the cell (bit 0: y, 1: roll, 2: yaw^2); -1 where the branch ends
+        before it.
     heights : array (n, HEIGHTS)
         As `model.heights.pack`; empty unless `settings.stores_heights`.
     counts : tuple of int

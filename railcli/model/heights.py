@@ -8,6 +8,8 @@ from railcli.kernels.layout import HEIGHTS
 
 ORDER = 3
 LEAST = ORDER + 1  # knots of an axis
+BINS = 1024
+BIN_ROWS = 1 + BINS // HEIGHTS
 
 
 def pack(levels, regions, shear, axes, values, parts):
@@ -42,18 +44,18 @@ def pack(levels, regions, shear, axes, values, parts):
         coefficients = np.moveaxis(make_interp_spline(knots, coefficients, k=ORDER, axis=axis).c, 0, axis)
     rows = [head]
     for knots in axes:
-        rows += [_rows(knots), _rows(cubics(knots))]
+        rows += [_bins(knots), _rows(knots), _rows(cubics(knots))]
     return np.ascontiguousarray(np.concatenate([*rows, coefficients.reshape(-1, HEIGHTS), parts]))
 
 
 def places(counts):
-    """Rows at which knots and cubics of each axis in turn, coefficients, and the parts of the contact begin.
+    """Rows at which bins, knots and cubics of each axis in turn, coefficients, and the parts of the contact begin.
 
     counts : numbers of knots of y, roll and yaw^2.
     """
     found, at = [], HEAD
     for count in counts:
-        found += [at, at + _row_count(count)]
+        found += [at, at + BIN_ROWS, at + BIN_ROWS + _row_count(count)]
         at = found[-1] + 2 * (count - 1)
     return [*found, at, at + int(np.prod(counts))]
 
@@ -63,7 +65,7 @@ def knots_of(heights, counts):
     starts = places(counts)
     return [
         heights[start : start + _row_count(count)].ravel()[:count]
-        for start, count in zip(starts[0:6:2], counts, strict=True)
+        for start, count in zip(starts[1:9:3], counts, strict=True)
     ]
 
 
@@ -97,6 +99,13 @@ def cubics(knots):
         at = knots[i] + place * (knots[i + 1] - knots[i])
         found[i] = (powers @ basis(at)[:, first : first + 4]).T
     return found.reshape(n - 1, 16)
+
+
+def _bins(knots):
+    """Rows that tell the interval in which each of BINS equal bins begins."""
+    start = knots[0] + (knots[-1] - knots[0]) / BINS * np.arange(BINS)
+    interval = np.clip(np.searchsorted(knots, start, side="right") - 1, 0, knots.size - 2)
+    return np.concatenate([_rows([BINS / (knots[-1] - knots[0]), BINS]), _rows(interval)])
 
 
 def _row_count(count):
