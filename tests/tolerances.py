@@ -434,3 +434,5 @@ FINE_SWEEP = 200.0  # [N] over 50 nm: a wheel of 70 kN on a flank of 70 degrees 
 JOINING = 0.05  # second difference of the force over 10 um: 80 um of overlap grow by a third
 STORED_PLACE = 0.02e-3  # [m] between nodes
 STRIP_WIDTH = 5e-3  # four strips over a half width leave 0.7 % of the force, eight 0.2 %
+STRIP_EDGE = 0.03  # of area and greatest pressure: a patch ends with a strip, of which there are twenty
+STRIP_PLACE = 0.05e-3  # [m] where loads of strips of 0.6 mm balance

@@ -45,10 +45,14 @@ def within(value, low, high, option, unit):
 @setting("--curvature-window", "2", "MM", "Arc length over which profile curvature is averaged.", 1e3)
 @setting("--pressed", "0", "MM", "Quasi-elastic contact points, the wheel pressed in by this much; 0: rigid.", 1e3)
 @click.option(
+    "--normal", type=click.Choice(["hertz", "overlap"]), default="hertz", show_default=True,
+    help="Law of the patches: ellipses at contact points, or strips under the overlap.",
+)
+@click.option(
     "--picture", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True, help="Format of it."
 )
 @results_options
-def contact(roll, yaw, at, load, picture, output_format, output, overwrite, quiet, **given):
+def contact(roll, yaw, at, load, normal, picture, output_format, output, overwrite, quiet, **given):
     """Contact overview: where wheels and rails touch for y = -10 to 10 mm, what it means, and the patches under load.
 
     Draws both profiles with contact lines, patches at chosen y, delta-r, contact angles and positions, and equivalent
@@ -58,6 +62,7 @@ def contact(roll, yaw, at, load, picture, output_format, output, overwrite, quie
     \b
     Examples:
       railcli contact
+      railcli contact --normal overlap --at 5.5,6,6.4 --load 50
       railcli contact --inclination 40 --at=-5,0,5 --picture svg -o overview
     """
     from railcli.analysis.conicity import conicity, rolling
@@ -76,7 +81,7 @@ def contact(roll, yaw, at, load, picture, output_format, output, overwrite, quie
     with Progress("Contact", 100, "%", quiet) as progress:
         found = rolling(pair, reach, roll, lambda share: progress.update(round(100 * share)), yaw)
     level = found if yaw == 0.0 and not roll else rolling(pair, reach)
-    stand = standing(pair, load, settings.young, settings.poisson, roll, yaw)
+    stand = standing(pair, load, settings.young, settings.poisson, roll, yaw, normal)
     patches = [stand(y) for y in at]
 
     def conicities(amplitudes):
@@ -86,7 +91,7 @@ def contact(roll, yaw, at, load, picture, output_format, output, overwrite, quie
     coarse = conicities([1e-3 * k for k in range(1, int(REACH_MM) + 1)])
     fine = conicities([1e-3 * AMPLITUDE_STEP_MM * k for k in range(5, round(REACH_MM / AMPLITUDE_STEP_MM) + 1)])
     head = title(names, settings, pair, roll) + (f", yaw {yaw * 1e3:g} mrad" if yaw else "")
-    loading = overview.loading_text(load, settings, roll)
+    loading = overview.loading_text(load, settings, roll, normal)
     shown = (
         "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "curvature_window",
         "pressed",

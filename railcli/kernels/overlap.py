@@ -25,6 +25,7 @@ OVERLAP = np.dtype(
         ("lateral", "f8"),  # profile coordinate on the wheel [m]
         ("radius", "f8"),  # distance from the axle [m]
         ("ahead", "f8"),  # of the bottom, along the rail [m]
+        ("half", "f8"),  # half length of its pressure along the rail, where it bears [m]
     ],
     align=True,
 )

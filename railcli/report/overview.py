@@ -153,12 +153,15 @@ def _number(value):
     return f"{value:.4f}" if math.isfinite(value) else "-"
 
 
-def loading_text(load, settings, with_roll):
+def loading_text(load, settings, with_roll, normal="hertz"):
     """The assumptions under which patches were computed, as a phrase."""
+    law = {
+        "hertz": f"Hertz's ellipse with curvatures averaged over {settings.curvature_window * 1e3:g} mm",
+        "overlap": "strips of the rail under the overlap of the profiles",
+    }[normal]
     return (
         f"{load / 1e3:g} kN of vertical force on each wheel, normal forces only, E = {settings.young / 1e9:g} GPa, "
-        f"nu = {settings.poisson:g}, Hertz's ellipse with curvatures averaged over "
-        f"{settings.curvature_window * 1e3:g} mm, elastic; the wheelset "
+        f"nu = {settings.poisson:g}, {law}, elastic; the wheelset "
         f"{'rolls until both wheels bear it' if with_roll else 'stays level'}"
     )
 

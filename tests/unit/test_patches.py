@@ -38,6 +38,25 @@ def vertical(patches):
 
 
 @pytest.mark.parametrize("y", [-4e-3, 0.0, 3e-3])
+def test_strips_under_a_cone_on_a_round_rail(y):
+    """The law of strips gives Hertz's force, area and pressure where the gap has one curvature each way."""
+    settings = scenes.round_settings()
+    pair = wheelset_on(settings, scenes.cone(CONE), scenes.round_rail())
+    found = stand(pair, normal="overlap")(y)
+    assert [patch.side for patch in found.patches] == ["right", "left"]
+    for patch, side in zip(found.patches, (1.0, -1.0), strict=True):
+        s, _, angle, radius = naive.cone_on_circle((side * y, 0.0, 0.0), CONE, settings.radius, scenes.HEAD)
+        assert_allclose([patch.on_wheel, patch.radius], [s, radius], atol=tol.STRIP_PLACE)
+        assert_allclose([patch.angle, patch.normal], [angle, LOAD / math.cos(CONE)], rtol=tol.STRIP_WIDTH)
+        a, b, approach = naive.hertz_ellipse(
+            0.5 * math.cos(CONE) / radius, 0.5 / scenes.HEAD, YOUNG, POISSON, patch.normal
+        )
+        assert_allclose(patch.approach, approach, rtol=tol.STRIP_WIDTH)
+        assert_allclose(patch.area, math.pi * a * b, rtol=tol.STRIP_EDGE)
+        assert_allclose(patch.pressure, 1.5 * patch.normal / (math.pi * a * b), rtol=tol.STRIP_EDGE)
+
+
+@pytest.mark.parametrize("y", [-4e-3, 0.0, 3e-3])
 def test_cone_on_a_round_rail(y):
     """One ellipse on each wheel: Hertz's closed form at load / cos(angle), where a cone and a circle touch."""
     settings = scenes.round_settings()
