@@ -196,7 +196,7 @@ def _with_heights(wheel, rail, settings, method, mounting, regions, station, pro
     """As `build_table`, for a table of heights."""
     began = time.process_time()
     columns = Columns(mounting, settings, station)
-    stored = store_heights(columns, settings, METHODS.index(method), progress)
+    stored = store_heights(columns, settings, METHODS.index(method), progress, settings.fineness)
     places = np.zeros((stored.lateral.size, NODE_CHANNELS))
     places[:, Node.LATERAL] = stored.lateral
     cell, branch, joined = join(stored.minima, places, stored.basin, stored.counts)

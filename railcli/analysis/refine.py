@@ -1,7 +1,8 @@
 """A contact table as accurate as asked for: its grid refined where its error comes from.
 
-Accuracy is one number, the 99.9 % error of the contact angle on the tread [mrad]; what else must hold follows from it
-in fixed proportion (GOALS). Errors are those of the certificate: contacts near the end of a branch are counted apart.
+Accuracy is one number, the 99.9 % error of the contact angle on the tread [mrad], of a table of heights that of the
+normal force [%]; what else must hold follows from it in fixed proportion (GOALS; AIMS of the certificate of forces).
+Errors are those of the certificate: contacts near the end of a branch are counted apart in geometry, not in forces.
 """
 
 import math
@@ -15,6 +16,8 @@ from railcli.kernels.contact import look_up_all
 from railcli.kernels.layout import NODE_CHANNELS, SAMPLE_ROWS
 from railcli.model.contact_table import LIMITS
 
+from .certify_forces import AIMS
+
 GOALS = {  # 99.9 % errors at an accuracy of 1 mrad
     "tread": {"angle_mrad": 1.0, "radius_um": 10.0},
     "root": {"angle_mrad": 6.0, "radius_um": 50.0},
@@ -26,6 +29,8 @@ FINER = (1.25, 2.0)  # least and greatest factor by which one axis is refined at
 NEARLY = 0.7  # an axis whose own error is below this share of the goal is left alone
 ROUNDS = 12
 LOOK_UPS = 20_000
+KNOTS = 3.0  # power of the fineness with which a table of heights grows
+STALLED = 0.9  # a finer grid that leaves more than this share of the error will not do
 SWING = (8e-3, 3e-3, 8e-3)  # amplitudes of the motion for which look-ups are timed [m], [rad], [rad]
 
 
@@ -39,17 +44,17 @@ class Stage:
     bytes : int
         Of the table in memory.
     cpu_s, look_up_ns : float
-        Processor time of building it and of one look-up.
+        Processor time of building it and of one look-up; of a table of heights the first only.
     excess : float
         Largest error over what is allowed.
     worst : tuple of str
-        Region and quantity of this error.
+        Region, or quantile over all, and quantity of this error.
     """
 
     settings: object
     bytes: int
     cpu_s: float
-    look_up_ns: float
+    look_up_ns: float | None
     excess: float
     worst: tuple
 
@@ -159,3 +164,52 @@ def refine(settings, accuracy, most_bytes, build, measure, say=None):
                 f"{accuracy * ratio:.2g} mrad (worst: {worst[1].partition('_')[0]} on the {worst[0]})"
             )
         settings = after
+
+
+def excess_of_forces(forces, accuracy):
+    """Largest 99 % or 99.9 % error over its aim, all poses together, and its quantile and quantity.
+
+    Parameters
+    ----------
+    forces : dict
+        As `certify_forces` gives it.
+    accuracy : float
+        Wanted of the normal force, 99.9 % [%].
+    """
+    ratios = {
+        (size, key): forces[key][size] / (accuracy * aim)
+        for key, aims in AIMS.items() if key in forces
+        for size, aim in zip(("p99", "p999"), aims[:2], strict=True)
+    }  # fmt: skip
+    if not ratios:
+        return math.inf, ("", "")
+    worst = max(ratios, key=ratios.get)
+    return ratios[worst], worst
+
+
+def refine_knots(settings, accuracy, most_bytes, build, say=None):
+    """As `refine`, for a table of heights, whose knots all come closer together; accuracy of the normal force [%]."""
+    stages = []
+    while True:
+        table, facts, certificate = build(settings)
+        ratio, worst = excess_of_forces(certificate["forces"], accuracy)
+        stages.append(Stage(settings, table.bytes, facts["cpu_s"], None, ratio, worst))
+        if say:
+            say(stages[-1])
+        if ratio <= 1.0:
+            return table, facts, certificate, stages
+        reached = f"fineness {settings.fineness:.3g} ({table.bytes / 1e6:.0f} MB) gives {accuracy * ratio:.2g} %"
+        if len(stages) > 1 and ratio > STALLED * stages[-2].excess:
+            raise CheckError(
+                f"accuracy {accuracy:g} % cannot be had with closer knots: {reached}, "
+                f"fineness {stages[-2].settings.fineness:.3g} gave {accuracy * stages[-2].excess:.2g} %"
+            )
+        factor = min(max(math.sqrt(ratio), FINER[0]), FINER[1])
+        size = table.bytes * factor**KNOTS
+        fineness = settings.fineness * factor
+        if size > most_bytes or fineness > LIMITS["fineness"][1]:
+            raise CheckError(
+                f"accuracy {accuracy:g} % cannot be had within {most_bytes / 1e6:.0f} MB: the next grid would take "
+                f"{size / 1e6:.0f} MB; {reached}; ask for that, or allow more with --largest"
+            )
+        settings = replace(settings, fineness=fineness)

@@ -9,6 +9,7 @@ from railcli.kernels import jit, step
 
 from .build_table import build_table
 from .certify import certify
+from .certify_forces import certify_forces
 
 CORE = (step.advance, step.record_rows, step.finish, step.evaluate)
 LAST_OF_TABLES = "branches.join_cells"  # the last function that a table needs
@@ -43,11 +44,12 @@ def warm_tables(wheel, rail, settings, announce=None):
     if announce and not _is_kept(LAST_OF_TABLES):
         announce("Compiling the kernels of contact tables (once for this version and machine, up to 20 s) ...")
     tiny = replace(
-        settings, y_range=1e-3, y_step=1e-3, roll_range=1e-3, roll_step=1e-3, yaw_range=1e-3, yaw_count=2
+        settings, y_range=1e-3, y_step=1e-3, roll_range=1e-3, roll_step=1e-3, yaw_range=1e-3, yaw_count=2, fineness=1.0
     )
     table = build_table(wheel, rail, tiny)[0]
     if not settings.stores_heights:
         certify(table, wheel, rail, poses=1)
+    certify_forces(table, wheel, rail, poses=1)
 
 
 def _is_kept(name):

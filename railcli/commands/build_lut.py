@@ -1,5 +1,6 @@
 """`railcli build-lut`: build or check a contact table."""
 
+import math
 import sys
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import click
 from .options import format_option, output_option, overwrite_option, quiet_option
 
 DEFAULT_WHEEL, DEFAULT_RAIL = "ORES1002", "UIC60"
+OF_A_GRID = "y_step", "roll_step", "yaw_count", "curvature_window"  # settings that a table of heights has no use for
 
 
 def setting(option, default, unit, text, per_si=1.0, kind=float):
@@ -39,9 +41,11 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @setting("--pressed", "0", "MM", "Quasi-elastic contact points, the wheel pressed in by this much; 0: rigid.", 1e3)
 @click.option(
     "--normal",
-    type=click.Choice(["hertz", "kp"]),
-    help="Patches: Hertz's ellipses, or non-Hertzian ones by Kik and Piotrowski.  [default: hertz]",
+    type=click.Choice(["hertz", "kp", "overlap"]),
+    help="Patches: Hertz's ellipses, non-Hertzian ones by Kik and Piotrowski, or strips under the overlap, whose force "
+    "is the gradient of one energy.  [default: hertz]",
 )
+@setting("--fineness", "1", "NUMBER", "With --normal overlap, which chooses its own knots: divides their distances.")
 @click.option(
     "--method",
     type=click.Choice(["simplex", "locus"]),
@@ -52,9 +56,10 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @click.option(
     "--accuracy",
     type=click.FloatRange(min=0.001, max=100.0),
-    metavar="MRAD",
-    help="Refine the grid until 99.9 % of the contact angles on the tread are this accurate; rolling radius, root and "
-    "flange in proportion.",
+    metavar="MRAD|PERCENT",
+    help="Refine the grid until 99.9 % of the contact angles on the tread are this accurate [mrad]; rolling radius, "
+    "root and flange in proportion. With --normal overlap: until 99.9 % of the normal forces are [%]; load centre in "
+    "proportion.",
 )
 @click.option(
     "--largest",
@@ -70,7 +75,8 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
     type=click.IntRange(min=0),
     default=20_000,
     show_default=True,
-    help="Random poses at which look-up is compared with direct minimisation; 0: no comparison.",
+    help="Random poses at which look-up is compared with direct minimisation, and its forces with the law evaluated "
+    "directly; 0: no comparison.",
 )
 @click.option("--seed", type=click.IntRange(min=0), help="Of these poses.  [default: a fixed one; --check: a new one]")
 @click.option(
@@ -78,7 +84,7 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
     is_flag=False,
     flag_value="",
     metavar="[FILE]",
-    help="Draw profiles, contact points, rolling radius difference, contact angle and branches "
+    help="Draw profiles, contact points, rolling radius difference, contact angle and branches or patches "
     "(.png, .svg, .pdf)  [default: beside the table]",
 )
 @output_option("the cache, where runs look for it")
@@ -91,13 +97,16 @@ def build_lut(
     """Build a wheel-rail contact table, or check one.
 
     Every contact point of a right-hand wheel is found by minimising the distance of wheel and rail, over a grid of
-    lateral position, roll and yaw. The table is then compared with direct minimisation at random poses.
+    lateral position, roll and yaw. The table is then compared with direct minimisation at random poses, and its forces
+    with those of the same law evaluated there directly. With --normal overlap the table holds the heights at which the
+    wheel stores given energies, and forces are what is compared.
 
     \b
     Examples:
       railcli build-lut
       railcli build-lut --rail 60E1 --inclination 40 -o table.h5 --plot
       railcli build-lut --accuracy 0.05
+      railcli build-lut --normal overlap -o table.h5
       railcli build-lut --check table.h5
     """
     from railcli.files.output import json_text
@@ -125,14 +134,20 @@ def build_lut(
 
 
 def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overwrite, quiet):
-    from railcli.analysis.refine import refine
+    from railcli.analysis.refine import refine, refine_knots
+    from railcli.errors import InputError
     from railcli.files import tables
     from railcli.files.output import output_file, results_folder
     from railcli.files.profiles import load_profile, settings_on
     from railcli.model.contact_table import TableSettings
     from railcli.report import contact
 
-    asked, settings = settings.get("inclination"), TableSettings(**settings)
+    asked, given, settings = settings.get("inclination"), settings, TableSettings(**settings)
+    if settings.stores_heights and (idle := [key for key in OF_A_GRID if key in given]):
+        raise InputError(
+            f"--{idle[0].replace('_', '-')}",
+            "means nothing to --normal overlap, which chooses its own knots; give --fineness or --accuracy",
+        )
     wheel = load_profile(wheel or DEFAULT_WHEEL, "wheel")
     rail = load_profile(rail or DEFAULT_RAIL, "rail")
     settings = settings_on([rail], settings, asked)
@@ -150,7 +165,9 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     def along(table, axis):
         return tables.measure(table, wheel, rail, max(poses // 4, 1), quiet, seed, axis)
 
-    if goal:
+    if goal and settings.stores_heights:
+        table, facts, certificate, stages = refine_knots(settings, *goal, build)
+    elif goal:
         table, facts, certificate, stages = refine(settings, *goal, build, along)
     else:
         (table, facts, certificate), stages = build(settings), []
@@ -167,7 +184,8 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     facts = {"table": path, "bytes": size, **facts, "certificate": certificate, **_identity(table)}
     if stages:
         lines += contact.refinement_lines(goal[0], stages)
-        facts |= {"accuracy_mrad": goal[0], "refinement": contact.refinement_facts(stages)}
+        unit = "percent" if settings.stores_heights else "mrad"
+        facts |= {f"accuracy_{unit}": goal[0], "refinement": contact.refinement_facts(stages)}
     if picture is not None:
         lines.append(f"Figure: {picture}")
         facts["figure"] = picture
@@ -177,7 +195,6 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
 def _check(path, wheel, rail, poses, seed, plot, overwrite, quiet):
     import secrets
 
-    from railcli.analysis.certify import LIMITS, shortcomings
     from railcli.errors import CheckError
     from railcli.files import tables
     from railcli.files.output import output_file
@@ -190,19 +207,19 @@ def _check(path, wheel, rail, poses, seed, plot, overwrite, quiet):
     picture = None if plot is None else output_file(plot or path.with_suffix(".png"), overwrite)
     seed = secrets.randbits(32) if seed is None else seed
     certificate = tables.measure(stored.table, wheel, rail, poses, quiet, seed)
-    found = shortcomings(certificate)
+    found = tables.shortcomings(certificate)
     if picture is not None:
         contact.plot(stored.table, wheel, rail, picture)
     size = path.stat().st_size
     lines = contact.summary(stored.table, certificate, size)
     if stored.certificate:
         lines += ["When it was built:", *contact.certificate_lines(stored.certificate)]
-    limits = ", ".join(f"{key} {limit:g}" for key, limit in LIMITS.items())
+    limits = ", ".join(f"{key} {limit:g}" for key, limit in tables.limits(stored.table).items())
     lines.append(f"Limits of p99: {limits}: " + ("kept" if not found else "; ".join(found)))
     facts = {
         "table": path,
         "bytes": size,
-        "positions": stored.table.settings.positions,
+        "positions": math.prod(stored.table.counts),
         "certificate": certificate,
         "certificate_when_built": stored.certificate,
         "shortcomings": found,

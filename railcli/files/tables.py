@@ -12,8 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from railcli import __version__
+from railcli.analysis import certify_forces
 from railcli.analysis.build_table import build_table
-from railcli.analysis.certify import SEED, certify, shortcomings
+from railcli.analysis.certify import LIMITS, SEED, certify
+from railcli.analysis.certify import shortcomings as of_geometry
 from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
@@ -64,6 +66,7 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "curvature_window": ("--curvature-window", "mm", 1e3),
     "pressed": ("--pressed", "mm", 1e3),
     "normal": ("--normal", "", None),
+    "fineness": ("--fineness", "", 1.0),
 }
 OF_A_SCENARIO = (
     "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "pressed", "normal"
@@ -119,7 +122,7 @@ class Stored:
     ----------
     table : ContactTable
     certificate : dict
-        As `analysis.certify` gives it; empty when it was built without.
+        As `measure` gives it; empty when it was built without.
     kernels : str
         Digest of the compiled sources that built it.
     """
@@ -341,11 +344,10 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
         Empty without poses.
     """
     warm_tables(wheel, rail, settings, announce)
-    with Progress("Contact table", settings.positions, "positions", quiet) as progress:
-        table, facts = build_table(
-            wheel, rail, settings, method, lambda share: progress.update(share * settings.positions)
-        )
-    if not poses or settings.stores_heights:
+    total, unit = (100.0, "%") if settings.stores_heights else (settings.positions, "positions")
+    with Progress("Contact table", total, unit, quiet) as progress:
+        table, facts = build_table(wheel, rail, settings, method, lambda share: progress.update(share * total))
+    if not poses:
         return table, facts, {}
     certificate = measure(table, wheel, rail, poses, quiet, seed)
     if found := shortcomings(certificate):
@@ -357,12 +359,41 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
     return table, facts, certificate
 
 
+def shortcomings(certificate):
+    """Sentences that say in what a table falls short of its limits, geometry and forces; none for a good one."""
+    found = of_geometry(certificate) if "branches" in certificate else []
+    return found + certify_forces.shortcomings(certificate["forces"])
+
+
+def limits(table):
+    """Limits of p99 errors that a good table keeps, by the keys of its certificate."""
+    return certify_forces.LIMITS if table.settings.stores_heights else {**LIMITS, **certify_forces.LIMITS}
+
+
 def measure(table, wheel, rail, poses, quiet=False, seed=None, axis=None):
-    """Certificate of a table at its usual poses or those of another seed, or along one axis; progress on stderr."""
+    """Certificate of a table at its usual poses or those of another seed; progress on stderr.
+
+    axis : of geometry alone, along one axis, as `analysis.certify` takes it.
+
+    Returns
+    -------
+    dict
+        As `analysis.certify` gives it, but poses and seed alone of a table of heights; `forces` as
+        `analysis.certify_forces`.
+    """
     seed = SEED if seed is None else seed
-    with Progress("Certificate", poses, "poses", quiet) as progress:
-        certificate = certify(table, wheel, rail, poses, seed, lambda share: progress.update(share * poses), axis)
-        progress.update(poses)
+    certificate = {"poses": poses, "seed": seed}
+
+    def measured(title, certify, *rest):
+        with Progress(title, poses, "poses", quiet) as progress:
+            found = certify(table, wheel, rail, poses, seed, lambda share: progress.update(share * poses), *rest)
+            progress.update(poses)
+        return found
+
+    if not table.settings.stores_heights:
+        certificate = measured("Certificate of geometry", certify, axis)
+    if axis is None:
+        certificate["forces"] = measured("Certificate of forces", certify_forces.certify_forces)
     return certificate
 
 

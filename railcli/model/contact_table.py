@@ -20,6 +20,7 @@ OF_HEIGHTS = (
     *(f"{axis}_{kind}" for axis in ("y", "roll", "yaw2") for kind in ("bins", "knots", "basis")),
     "coefficients", "parts",
 )  # fmt: skip
+UNTOLD = (("fineness", 1.0),)  # settings with the value of tables from before there was a choice keep their keys
 SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
@@ -36,6 +37,7 @@ LIMITS = {
     "poisson": (0.0, 0.5, "-"),
     "curvature_window": (0.0, 0.02, "m"),
     "pressed": (0.0, 1e-3, "m"),
+    "fineness": (0.25, 8.0, "-"),
 }
 
 
@@ -69,6 +71,9 @@ class TableSettings:
         pressed in by this much beyond first touch, which turns jumps between conforming arcs into fast motions [m].
     normal : str
         Patches: a name of `submodels.NORMAL_LAWS`.
+    fineness : float
+        Divides the distances of the knots that a table of heights chooses for itself; y_step, roll_step, yaw_count and
+        curvature_window are nothing to it.
     """
 
     inclination: float = 20.0
@@ -87,6 +92,7 @@ class TableSettings:
     curvature_window: float = 2.0e-3
     pressed: float = 0.0
     normal: str = "hertz"
+    fineness: float = 1.0
 
     def __post_init__(self):
         for key, (low, high, unit) in LIMITS.items():
@@ -101,6 +107,8 @@ class TableSettings:
         choose(NORMAL_LAWS, "contact table: normal", self.normal)
         if self.pressed and (self.patches or self.stores_heights):
             raise InputError("contact table: pressed", f"must be 0 with normal {self.normal}, which presses by itself")
+        if self.fineness != 1.0 and not self.stores_heights:
+            raise InputError("contact table: fineness", f"must be 1 with normal {self.normal}, whose grid is given")
 
     @property
     def patches(self):
@@ -303,5 +311,6 @@ class ContactTable:
 
 def table_key(settings, wheel_digest, rail_digest, method):
     """Digest of settings, profiles, method and version: two tables with one key are the same table."""
-    text = json.dumps([VERSION, settings.as_dict(), wheel_digest, rail_digest, method], sort_keys=True)
+    told = {key: value for key, value in settings.as_dict().items() if (key, value) not in UNTOLD}
+    text = json.dumps([VERSION, told, wheel_digest, rail_digest, method], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
