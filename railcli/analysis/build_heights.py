@@ -13,7 +13,6 @@ from railcli.kernels.branches import PER_CORNER
 from railcli.kernels.columns import POWER, fill_columns
 from railcli.kernels.difference import height
 from railcli.kernels.layout import HEIGHTS
-from railcli.kernels.strips import pulls
 from railcli.kernels.tabulate import solve_orientation
 from railcli.model.heights import LEAST
 from railcli.model.strips import strips_of
@@ -76,7 +75,7 @@ class Columns:
         heights = np.zeros((y.size, HEIGHTS))
         parts = np.zeros((HEIGHTS * int(counts.sum()) if patches else 0, HEIGHTS))
         solved = fill_columns(
-            roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips.strip, self.strips.square, self.elastic, *pulls(),
+            roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips.strip, self.strips.apart, self.elastic,
             LEVELS, tolerance, most, found, counts, heights, parts,
         )  # fmt: skip
         if solved < 0:

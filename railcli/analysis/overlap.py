@@ -7,7 +7,6 @@ import numpy as np
 from railcli.kernels.columns import bear
 from railcli.kernels.layout import HEIGHTS, Part
 from railcli.kernels.overlap import OVERLAP
-from railcli.kernels.strips import pulls
 from railcli.model.strips import strips_of
 
 from .certify import direct_minima
@@ -70,7 +69,7 @@ class Law:
         patches = np.zeros((minima.shape[0], 1, HEIGHTS))
         arguments = self.mounting.kernel_arguments[:5]
         energy, *gradient = bear(
-            z, roll, yaw, y, *arguments, self.strips.strip, self.strips.square, self.elastic, *pulls(),
+            z, roll, yaw, y, *arguments, self.strips.strip, self.strips.apart, self.elastic,
             tolerance, most, minima, row, h, q, chi, patches,
         )  # fmt: skip
         loaded = patches[patches[:, 0, Part.SHARE] > 0.0, 0]

@@ -12,20 +12,22 @@ from .difference import locus, wheel_axes
 from .jit import builder, kernel
 from .layout import HEIGHTS, Part
 from .overlap import OVERLAP, spread
-from .strips import CHI, press
+from .strips import CHI, CHI_RANGE, LANE_ROWS, LANES, press
 
 FIRST_DEPTH = 30e-6  # beyond first touch, where the search for the first height begins [m]
 TRIES = 6
 NEAR = 0.03  # difference from a wanted w that a tangent bridges [-]
 RESTART = 0.3  # least share of its depth that a try may keep
+CLOSE = 0.6e-3  # positions so near that the loads at one are a good guess at the next [m]
+ALONG = 2.1
 LOOSE = 0.6  # line load over E* h to begin with
 SMALL = 1e-4  # semi-axes over sqrt(w) of a part that never bears
 POWER = 0.4  # w = U^POWER is about proportional to the depth
 
 
 @kernel
-def pressed_to(z, y, e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most,
-               minima, count, row, h, q, chi, work, matrix):  # fmt: skip
+def pressed_to(z, y, e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, tolerance, most,
+               minima, count, row, h, q, chi, work, lanes, matrix):  # fmt: skip
     """Energy and vertical force of a wheel at the height z of T; line loads in q.
 
     minima : (k, 6) as `difference.minima`, the first `count` of them.  Others: `strips.press`, `overlap.spread`.
@@ -44,7 +46,7 @@ def pressed_to(z, y, e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, f
     if last == 0:
         return 0.0, 0.0, 0
     energy, n, _ = press(
-        strip, square, h, first, last, elastic, far, near, tolerance, most, q, chi, work, matrix
+        strip, apart, h, first, last, elastic, tolerance, most, q, chi, work, lanes, matrix
     )
     force = 0.0
     for i in range(first, last):
@@ -92,6 +94,21 @@ def stretch(ratio, strip, q, old):
 
 
 @kernel
+def follow(along, past, past_chi, q, chi):
+    """Guess line loads and slenderness factors from those at the last two lateral positions.
+
+    along : the way from the last position over that to it, below ALONG for the guess to be linear.
+    """
+    part = along if along < ALONG else 0.0
+    for i in range(q.size):
+        q[i] = max(past[0, i] + part * (past[0, i] - past[1, i]), 0.0)
+    for m in range(chi.size):
+        chi[m] = past_chi[0, m]
+        if part > 0.0:
+            chi[m] = min(max(chi[m] * (chi[m] / past_chi[1, m]) ** part, CHI_RANGE[0]), CHI_RANGE[1])
+
+
+@kernel
 def part_of(s, minima, count):
     """Minimum in whose basin the profile coordinate s lies."""
     part = 0
@@ -119,8 +136,8 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
     while k < n:
         end, heaviest, owner = k, 0.0, 0
         sums[:count, 7] = 0.0
-        while end < n and q[int(work[7, end])] > 0.0 and int(work[7, end]) - int(work[7, k]) == end - k:
-            i = int(work[7, end])
+        while end < n and q[int(work[5, end])] > 0.0 and int(work[5, end]) - int(work[5, k]) == end - k:
+            i = int(work[5, end])
             j = part_of(row[i]["lateral"], minima, count)
             sums[j, 7] += q[i] * strip[i]["width"]
             if sums[j, 7] > heaviest:
@@ -128,7 +145,7 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
             end += 1
         part = sums[owner]
         for m in range(k, end):
-            i = int(work[7, m])
+            i = int(work[5, m])
             load, half = q[i] * strip[i]["width"], sqrt(work[0, m])
             part[0] += load
             part[1] += load * row[i]["by_y"]
@@ -178,7 +195,15 @@ def complete_parts(e, f, d, r0, wheel, w0, wh, minima, count, patches):
 
 
 @builder
-def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most, minima,
+def scratch(n):
+    """What `strips.press` needs for n strips: work, lanes, matrix."""
+    return (
+        np.zeros((6, n + 2)), np.zeros((LANE_ROWS, n + LANES), np.float32), np.zeros((2, n * (n + LANES)), np.float32)
+    )  # fmt: skip
+
+
+@builder
+def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, apart, elastic, tolerance, most, minima,
          row, h, q, chi, patches):  # fmt: skip
     """A wheel at the height z of T, directly by the law.
 
@@ -204,13 +229,14 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, 
     """
     e, f, d = wheel_axes(roll, yaw)
     n = strip.size
-    work, matrix, sums = np.zeros((8, n)), np.zeros((n, n)), np.zeros((minima.shape[0], 9))
+    work, lanes, matrix = scratch(n)
+    sums = np.zeros((minima.shape[0], 9))
     chi[:] = CHI
     q[:] = LOOSE * elastic * FIRST_DEPTH
     patches[:] = 0.0
     energy, _, count = pressed_to(
-        z, y, e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most,
-        minima, minima.shape[0], row, h, q, chi, work, matrix,
+        z, y, e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, tolerance, most,
+        minima, minima.shape[0], row, h, q, chi, work, lanes, matrix,
     )  # fmt: skip
     by_y, by_z, by_roll, by_yaw = 0.0, 0.0, 0.0, 0.0
     if energy > 0.0:
@@ -226,7 +252,7 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, square, elastic, far, 
 
 
 @builder
-def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, square, elastic, far, near,
+def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apart, elastic,
                  levels, tolerance, most, found, counts, heights, parts):  # fmt: skip
     """Heights and patches for every lateral position of one orientation.
 
@@ -251,10 +277,13 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, squ
     e, f, d = wheel_axes(roll, yaw)
     size = strip.size
     row, h, q, chi = np.zeros(size, OVERLAP), np.zeros(size), np.zeros(size), np.empty(strip[size - 1]["hat"] + 2)
-    work, matrix = np.zeros((8, size)), np.zeros((size, size))
+    work, lanes, matrix = scratch(size)
     sums, patches = np.zeros((PER_CORNER, 9)), np.zeros((PER_CORNER, HEIGHTS, HEIGHTS))
+    past, past_chi, past_rate = np.zeros((2, HEIGHTS, size)), np.zeros((2, HEIGHTS, chi.size)), np.zeros(HEIGHTS)
     solved, at = 0, 0
     for i in range(y.size):
+        gap = y[i] - y[i - 1] if i > 0 else np.inf
+        along = gap / (y[i - 1] - y[i - 2]) if i > 1 else np.inf
         count = counts[i]
         touch = np.inf
         for j in range(count):
@@ -264,15 +293,18 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, squ
         z, rate, value = touch + FIRST_DEPTH, 0.0, 0.0
         for level in range(HEIGHTS):
             if level > 0:
-                z += (levels[level] - value) * rate
+                z += (levels[level] - value) * (0.5 * (rate + past_rate[level]) if gap < CLOSE else rate)
+            if gap < CLOSE:
+                follow(along, past[:, level], past_chi[:, level], q, chi)
+            elif level > 0:
                 stretch(levels[level] / value, strip, q, h)
             else:
                 q[:] = LOOSE * elastic * FIRST_DEPTH
             n = 0
             for turn in range(TRIES):
                 energy, force, n = pressed_to(
-                    z, y[i], e, f, d, r0, seat, wheel, w0, wh, strip, square, elastic, far, near, tolerance, most,
-                    found[i], count, row, h, q, chi, work, matrix,
+                    z, y[i], e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, tolerance, most,
+                    found[i], count, row, h, q, chi, work, lanes, matrix,
                 )  # fmt: skip
                 solved += 1
                 if not energy > 0.0:
@@ -283,6 +315,8 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, squ
                     break
                 z = max(z + (levels[level] - value) * rate, touch + RESTART * (z - touch))
             heights[i, level] = z + (levels[level] - value) * rate
+            past[1, level], past_chi[1, level] = past[0, level], past_chi[0, level]
+            past[0, level], past_chi[0, level], past_rate[level] = q, chi, rate
             if parts.shape[0] > 0:
                 describe_parts(value, n, found[i], count, strip, row, q, work, sums, level, patches)
         if parts.shape[0] > 0:

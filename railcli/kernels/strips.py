@@ -12,7 +12,6 @@ the pose of the wheel: whatever is approximate here costs accuracy, never energy
 """
 
 import math
-from functools import cache
 
 import numpy as np
 
@@ -33,123 +32,98 @@ STRIP = np.dtype(
     align=True,
 )
 
-SINGULAR = 16.0 / (3.0 * math.pi**2)  # integral of the product of two semi-ellipses of unit load and half length 1
-FAR_TOP = 0.949  # v = 1 / (1 + t^2) up to which `far` is used
-FAR_COUNT = 2049
-NEAR_COUNT = 4001
-NEAR_TOP = 60.0  # t of its last entry
+PULL = (  # Gamma(t) (1 + t^2)^(1/2) as a polynomial of PULL_RATE y - PULL_SHIFT, y^8 = t^2 / (1 + t^2), y 0.18 ... 1
+    2.79169089, -2.85664438, 1.27832942, -0.325268324, 0.212099891, -0.245211887, 0.188649921, 0.0646705713,
+    -0.124890078, -0.0816033121, 0.0981876782,
+)  # fmt: skip
+PULL_RATE, PULL_SHIFT = 2.0 / 0.82, 1.18 / 0.82
+LANES = 8  # strips that one instruction treats
 MARGIN = 3  # strips beside those that bear which may come to bear in one iteration
 SEED = 0.2  # line load over E* and overlap with which a patch begins
 AROUND = 2e-3  # a patch does not bear where the overlap is less than a share of the greatest one so near [m]
 DEPTH_LEFT = 0.35
 SWEEPS = 6  # of one iteration
 OVER = 1.3  # relaxation
-DAMPING = 1.0  # share of a strip's own change of length that an iteration takes into account
+DAMPING = 0.3  # share of a strip's own change of length that an iteration takes into account
 CHI = 1.5  # to begin with
 CHI_RANGE = (0.3, 100.0)
 
 
-@cache
-def pulls():
-    """Tables of the influence Gamma(t) of one semi-elliptic load on another at the distance t.
+def bent(pull):
+    """Coefficients of (Gamma + t Gamma') (1 + t^2)^(3/2): F + y F' / 4 where F(y) is Gamma (1 + t^2)^(1/2)."""
+    polynomial = np.polynomial.polynomial
+    return polynomial.polyadd(pull, 0.25 * polynomial.polymul(polynomial.polyder(pull), (PULL_SHIFT, 1.0)))
 
-    Gamma is the mean of 1 / sqrt((x - x')^2 + t^2) over two semi-elliptic weights of half length 1.
 
-    Returns
-    -------
-    far : array (FAR_COUNT, 2)
-        Gamma (1 + t^2)^(1/2) and (Gamma + t Gamma') (1 + t^2)^(3/2), evenly spaced in v = 1 / (1 + t^2).
-    near : array (NEAR_COUNT, 2)
-        Gamma + 2 SINGULAR ln t and t Gamma' + 2 SINGULAR, evenly spaced in t / (1 + t).
-    """
-    angle, weight = np.polynomial.legendre.leggauss(200)
-    angle = 0.5 * math.pi * (angle + 1.0)
-    node, share = np.polynomial.legendre.leggauss(400)
-    node, share = 0.5 * (node + 1.0), 0.5 * share
-    apart, share = 2.0 * node**3, 6.0 * node**2 * share  # x - x', fine near 0
-    half = 0.5 * (2.0 - apart)
-    x = 0.5 * apart[:, None] - half[:, None] * np.cos(angle)
-    product = np.sqrt(np.maximum(1.0 - x * x, 0.0) * np.maximum(1.0 - (x - apart[:, None]) ** 2, 0.0))
-    joint = (2.0 / math.pi) ** 2 * 0.5 * math.pi * half * ((product * np.sin(angle)) @ weight)
-
-    def smooth(t):
-        square = t[:, None] ** 2
-        distance = np.sqrt(apart**2 + square)
-        far = np.sqrt(4.0 + t * t)
-        bent = (joint - SINGULAR) * share
-        value = 2.0 * (bent / distance).sum(axis=1) + 2.0 * SINGULAR * np.log(2.0 + far)
-        slope = -2.0 * square[:, 0] * (bent / distance**3).sum(axis=1)
-        return np.column_stack([value, slope + 2.0 * SINGULAR * t * t / (far * (2.0 + far))])
-
-    place = np.linspace(0.0, NEAR_TOP / (1.0 + NEAR_TOP), NEAR_COUNT)
-    t = place / (1.0 - place)
-    t[0] = 1e-9
-    near = smooth(t)
-    v = np.linspace(0.0, 0.95, FAR_COUNT)
-    t = np.sqrt((1.0 - v[1:]) / v[1:])
-    value, slope = smooth(t).T
-    value, slope = value - 2.0 * SINGULAR * np.log(t), slope - 2.0 * SINGULAR
-    series = 1.0 / t - 0.25 / t**3 + 15.0 / 64.0 / t**5, -1.0 / t + 0.75 / t**3 - 75.0 / 64.0 / t**5
-    value, slope = np.where(t > 20.0, series[0], value), np.where(t > 20.0, series[1], slope)
-    far = np.empty((FAR_COUNT, 2))
-    far[0] = 1.0, 0.5
-    far[1:, 0] = value * np.sqrt(1.0 + t * t)
-    far[1:, 1] = (value + slope) * (1.0 + t * t) ** 1.5
-    return far, near
+F, H = tuple(np.float32(PULL)), tuple(np.float32(bent(PULL)))
+RATE, SHIFT, ONE, HALF, NOTHING = (np.float32(each) for each in (PULL_RATE, PULL_SHIFT, 1.0, 0.5, 0.0))
+A2, NORMAL_Y, NORMAL_Z, LOAD, REST, PINCH, OWN, INVERSE, LEFT, LANE_ROWS = range(10)  # rows of `lanes`
 
 
 @kernel
-def pull(square, half_square, far, near):
-    """Gamma / a and (Gamma + t Gamma') / a^3 of two strips.
+def influence(apart, half_square):
+    """Gamma / a and (Gamma + t Gamma') / a^3 of two strips, in single precision.
 
-    square : of their distance, for close ones that of the geometric mean distance of their points [m^2].
-    half_square : mean of their a^2 [m^2].
+    apart : geometric mean distance of their points [m].  half_square : mean of their a^2 [m^2].
     """
-    total = half_square + square
-    v = half_square / total
-    if v < FAR_TOP:
-        place = v * ((FAR_COUNT - 1) / 0.95)
-        i = int(place)
-        part = place - i
-        inverse = 1.0 / total
-        root = math.sqrt(inverse)
-        return (
-            (far[i, 0] + part * (far[i + 1, 0] - far[i, 0])) * root,
-            (far[i, 1] + part * (far[i + 1, 1] - far[i, 1])) * root * inverse,
-        )
-    t = math.sqrt(square / half_square)
-    place = t / (1.0 + t) * ((NEAR_COUNT - 1) * (1.0 + NEAR_TOP) / NEAR_TOP)
-    i = int(place)
-    part = place - i
-    value = near[i, 0] + part * (near[i + 1, 0] - near[i, 0]) - 2.0 * SINGULAR * math.log(t)
-    slope = near[i, 1] + part * (near[i + 1, 1] - near[i, 1]) - 2.0 * SINGULAR
-    root = 1.0 / math.sqrt(half_square)
-    return value * root, (value + slope) * root * root * root
+    inverse = ONE / (half_square + apart * apart)
+    root = math.sqrt(inverse)
+    x = RATE * math.sqrt(math.sqrt(apart * root)) - SHIFT
+    f = F[5] + x * (F[6] + x * (F[7] + x * (F[8] + x * (F[9] + x * F[10]))))
+    f = F[0] + x * (F[1] + x * (F[2] + x * (F[3] + x * (F[4] + x * f))))
+    h = H[5] + x * (H[6] + x * (H[7] + x * (H[8] + x * (H[9] + x * H[10]))))
+    h = H[0] + x * (H[1] + x * (H[2] + x * (H[3] + x * (H[4] + x * h))))
+    return f * root, h * root * inverse
 
 
 @kernel
-def press(strip, square, h, first, last, elastic, far, near, tolerance, most, q, chi, work, matrix):
+def influences(n, stride, scale, lanes, matrix, apart):
+    """Fill the matrix [m/N] of n strips, and what their loads press elsewhere (REST [m], PINCH [1/m]).
+
+    One vector instruction treats LANES strips: no branches, sums run over rows.
+    """
+    a2, normal_y, normal_z, rest, pinch = lanes[A2], lanes[NORMAL_Y], lanes[NORMAL_Z], lanes[REST], lanes[PINCH]
+    for j in range(stride):
+        rest[j] = NOTHING
+        pinch[j] = NOTHING
+    for k in range(n):
+        half, ny, nz = HALF * a2[k], np.float32(scale * normal_y[k]), np.float32(scale * normal_z[k])
+        load = lanes[LOAD, k]
+        row, away = matrix[k * stride : (k + 1) * stride], apart[k * stride : (k + 1) * stride]
+        for j in range(stride):
+            value, slope = influence(away[j], half + HALF * a2[j])
+            lean = ny * normal_y[j] + nz * normal_z[j]
+            row[j] = lean * value
+            rest[j] += load * (lean * value)
+            pinch[j] += load * (lean * slope)
+
+
+@kernel
+def press(strip, apart, h, first, last, elastic, tolerance, most, q, chi, work, lanes, matrix):
     """Line loads of the strips first ... last - 1: the maximum of the energy.
+
+    Every iteration holds the lengths a, takes the loads of greatest energy at those, and with them the next chi. The
+    energy it returns has what the last change of loads and chi adds to second order; to that order it is exact.
 
     Parameters
     ----------
     strip : STRIP array (n,)
-    square : array (n, n)
-        Squared distances, the geometric mean over the widths of both strips [m^2].
+    apart : array (n, n), single precision
+        Geometric mean distances over the widths of both strips [m].
     h : array (n,)
         Normal overlap [m]; strips without any bear nothing.
     elastic : float
         E / (2 (1 - nu^2)) [Pa].
-    far, near : arrays
-        As `pulls`.
     tolerance : float
-        Relative change of the energy at which the iteration ends.
+        The iteration ends when it adds less than this share to the energy.
     most : int
         Iterations at most.
     q, chi : arrays (n,), (m,)
         Start, then result: line loads [N/m]; slenderness factors [-].
-    work, matrix : arrays (8, n), (n, n)
-        Scratch; on return work[0] holds a^2 of the strips taken into account, and work[7] their indices.
+    work : array (6, n + 2)
+        Scratch; on return work[0] holds a^2 of the strips taken into account, and work[5] their indices.
+    lanes, matrix : arrays (LANE_ROWS, n + LANES), (2, n (n + LANES)), single precision
+        Scratch.
 
     Returns
     -------
@@ -158,63 +132,76 @@ def press(strip, square, h, first, last, elastic, far, near, tolerance, most, q,
     count, iterations : int
         Strips taken into account; iterations used.
     """
-    a2, pinch, rest, kappa, own, inverse, turn, index = (
-        work[0], work[1], work[2], work[3], work[4], work[5], work[6], work[7]
-    )  # fmt: skip
+    index = work[5]
     scale = 1.0 / (math.pi * elastic)
-    energy = 0.0
-    n, used = 0, 0
+    energy, gain = 0.0, 0.0
+    n, stride, used = 0, 0, 0
     seed(strip, h, first, last, elastic, q)
-    for step in range(most + 1):
-        n = candidates(h, first, last, q, index)
+    for step in range(most):
+        used = step + 1
+        before = n
+        n, same = candidates(h, first, last, q, index, before)
+        if not same:
+            stride = gather(strip, apart, n, index, lanes, matrix[1])
+        lengths(strip, elastic, first, last, n, q, chi, work, lanes)
+        influences(n, stride, scale, lanes, matrix[0], matrix[1])
+        energy = 0.0
         for k in range(n):
             i = int(index[k])
-            m, part = strip[i]["hat"], strip[i]["share"]
-            slender = chi[m] ** (1.0 - part) * chi[m + 1] ** part
-            kappa[k] = 0.5 * math.pi * elastic * strip[i]["bend"] * slender
-            own[k] = DAMPING * 0.5 * scale / (slender * strip[i]["width"])
-            mean = 0.5 * q[i]
-            if i > first:
-                mean += 0.25 * q[i - 1]
-            if i < last - 1:
-                mean += 0.25 * q[i + 1]
-            a2[k] = mean / kappa[k] + 0.25 * strip[i]["width"] ** 2
-            pinch[k] = 0.0
-            rest[k] = 0.0
+            energy += q[i] * strip[i]["width"] * (h[i] - 0.25 * strip[i]["bend"] * work[0, k] - 0.5 * lanes[REST, k])
+        gain = relax(strip, h, n, q, chi, work, lanes, matrix[0], stride)
+        sweep(n, stride, lanes, matrix[0])
         for k in range(n):
             i = int(index[k])
-            load = q[i] * strip[i]["width"]
-            here, ny, nz = a2[k], scale * strip[i]["normal_y"], scale * strip[i]["normal_z"]
-            sum_pinch, sum_rest = 0.0, 0.0
-            for j in range(k, n):
-                other = int(index[j])
-                value, slope = pull(square[i, other], 0.5 * (here + a2[j]), far, near)
-                lean = ny * strip[other]["normal_y"] + nz * strip[other]["normal_z"]
-                value *= lean
-                slope *= lean
-                matrix[k, j] = value
-                matrix[j, k] = value
-                push = q[other] * strip[other]["width"]
-                sum_pinch += push * slope
-                sum_rest += push * value
-                if j > k:
-                    pinch[j] += load * slope
-                    rest[j] += load * value
-            pinch[k] += sum_pinch
-            rest[k] += sum_rest
-        before, energy = energy, 0.0
-        for k in range(n):
-            i = int(index[k])
-            energy += strip[i]["width"] * q[i] * (h[i] - 0.25 * strip[i]["bend"] * a2[k] - 0.5 * rest[k])
-        used = step
-        if n == 0 or step == most or (step > 1 and abs(energy - before) < tolerance * energy):
+            load = float(lanes[LOAD, k])
+            gain += 0.5 * (load - q[i] * strip[i]["width"]) * (work[3, k] + lanes[LEFT, k])
+            q[i] = load / strip[i]["width"]
+        if gain < tolerance * energy:
             break
-        relax(strip, h, first, last, n, q, chi, work)
-        sweep(n, rest, own, inverse, turn, matrix)
-        for k in range(n):
-            i = int(index[k])
-            q[i] = turn[k] / strip[i]["width"]
-    return energy, n, used
+    lengths(strip, elastic, first, last, n, q, chi, work, lanes)
+    return energy + gain, n, used
+
+
+@kernel
+def gather(strip, apart, n, index, lanes, close):
+    """Put what is fixed of n strips side by side, LANES of them to a step; returns the length of a row."""
+    stride = (n + LANES - 1) // LANES * LANES
+    for j in range(n, stride):
+        lanes[A2, j], lanes[NORMAL_Y, j], lanes[NORMAL_Z, j] = ONE, NOTHING, NOTHING
+    for k in range(n):
+        i = int(index[k])
+        lanes[NORMAL_Y, k], lanes[NORMAL_Z, k] = strip[i]["normal_y"], strip[i]["normal_z"]
+        row = apart[i]
+        at = k * stride
+        for j in range(n):
+            close[at + j] = row[int(index[j])]
+        for j in range(n, stride):
+            close[at + j] = ONE
+    return stride
+
+
+@kernel
+def lengths(strip, elastic, first, last, n, q, chi, work, lanes):
+    """Squared half lengths a^2 (work[0]) of the loads, and what a strip's own change of them does."""
+    a2, kappa, index = work[0], work[1], work[5]
+    node, low, high = -1, 0.0, 0.0
+    for k in range(n):
+        i = int(index[k])
+        if strip[i]["hat"] != node:
+            node = strip[i]["hat"]
+            low, high = math.log(chi[node]), math.log(chi[node + 1])
+        slender = math.exp(low + strip[i]["share"] * (high - low))
+        width = strip[i]["width"]
+        kappa[k] = 0.5 * math.pi * elastic * strip[i]["bend"] * slender
+        mean = 0.5 * q[i]
+        if i > first:
+            mean += 0.25 * q[i - 1]
+        if i < last - 1:
+            mean += 0.25 * q[i + 1]
+        a2[k] = mean / kappa[k] + 0.25 * width * width
+        lanes[A2, k] = a2[k]
+        lanes[LOAD, k] = q[i] * width
+        lanes[OWN, k] = DAMPING * 0.5 / (math.pi * elastic * slender * width)
 
 
 @kernel
@@ -235,9 +222,13 @@ def seed(strip, h, first, last, elastic, q):
 
 
 @kernel
-def candidates(h, first, last, q, index):
-    """Strips that overlap and may bear: near one that does, or where the overlap is greatest. Returns how many."""
+def candidates(h, first, last, q, index, before):
+    """Strips that overlap and may bear: near one that does, or where the overlap is greatest.
+
+    Returns how many, and whether they are the same as the `before` ones in index.
+    """
     n, reach = 0, -1
+    same = True
     for i in range(first, last):
         if not h[i] > 0.0:
             q[i] = 0.0
@@ -253,30 +244,37 @@ def candidates(h, first, last, q, index):
             above = h[k + 1] if k < last - 1 else 0.0
             near = near or (h[k] >= below and h[k] >= above)
         if near:
+            same = same and n < before and int(index[n]) == i
             index[n] = i
             n += 1
         else:
             q[i] = 0.0
-    return n
+    return n, same and n == before
 
 
 @kernel
-def relax(strip, h, first, last, n, q, chi, work):
-    """Right-hand sides (work[2]) and first loads [N] (work[6]) at fixed a; the next chi."""
-    a2, pinch, rest, kappa, own, turn, index = work[0], work[1], work[2], work[3], work[4], work[6], work[7]
-    for m in range(strip[int(index[0])]["hat"], strip[int(index[n - 1])]["hat"] + 2):
-        low, high = 0.0, 0.0
-        for k in range(n):
-            i = int(index[k])
-            node, part = strip[i]["hat"], strip[i]["share"]
-            if node == m or node + 1 == m:
-                hat = 1.0 - part if node == m else part
-                width = strip[i]["width"]
-                pressed = hat * q[i] * width * (a2[k] - 0.25 * width * width)
-                low += pressed * strip[i]["bend"]
-                high += pressed * pinch[k]
-        if low > 0.0:
-            chi[m] = min(max(chi[m] / min(max(high / low, 0.5), 2.0), CHI_RANGE[0]), CHI_RANGE[1])
+def relax(strip, h, n, q, chi, work, lanes, matrix, stride):
+    """What is left of the overlap [m] (work[3], LEFT), the next chi; returns the energy that it adds [J]."""
+    a2, kappa, turn, left, index = work[0], work[1], work[2], work[3], work[5]
+    pinch = lanes[PINCH]
+    low, high = work[2], work[3]
+    begin, end = strip[int(index[0])]["hat"], strip[int(index[n - 1])]["hat"] + 2
+    low[: end - begin] = 0.0
+    high[: end - begin] = 0.0
+    for k in range(n):
+        i = int(index[k])
+        m, part, width = strip[i]["hat"] - begin, strip[i]["share"], strip[i]["width"]
+        pressed = q[i] * width * (a2[k] - 0.25 * width * width)
+        bends, pinches = pressed * strip[i]["bend"], pressed * pinch[k]
+        low[m], low[m + 1] = low[m] + (1.0 - part) * bends, low[m + 1] + part * bends
+        high[m], high[m + 1] = high[m] + (1.0 - part) * pinches, high[m + 1] + part * pinches
+    gain = 0.0
+    for m in range(end - begin):
+        if low[m] > 0.0:
+            old = chi[begin + m]
+            fresh = min(max(old / min(max(high[m] / low[m], 0.5), 2.0), CHI_RANGE[0]), CHI_RANGE[1])
+            gain += 0.125 * (low[m] - high[m]) * math.log(fresh / old)
+            chi[begin + m] = fresh
     for k in range(n):
         i = int(index[k])
         turn[k] = 0.25 * q[i] * strip[i]["width"] / kappa[k] * (pinch[k] - strip[i]["bend"])
@@ -287,28 +285,23 @@ def relax(strip, h, first, last, n, q, chi, work):
             mean += 0.25 * turn[k - 1]
         if k < n - 1 and int(index[k + 1]) == i + 1:
             mean += 0.25 * turn[k + 1]
-        width = strip[i]["width"]
-        rest[k] = h[i] - 0.25 * strip[i]["bend"] * a2[k] + mean / width + own[k] * q[i] * width
-    for k in range(n):
-        i = int(index[k])
-        turn[k] = q[i] * strip[i]["width"]
+        left[k] = h[i] - 0.25 * strip[i]["bend"] * a2[k] + mean / strip[i]["width"] - lanes[REST, k]
+        lanes[LEFT, k] = left[k]
+        lanes[INVERSE, k] = OVER / (matrix[k * stride + k] + lanes[OWN, k])
+    return gain
 
 
 @kernel
-def sweep(n, rest, own, inverse, load, matrix):
-    """SWEEPS of projected over-relaxation for the loads [N] of n strips, forwards and backwards in turn."""
-    for k in range(n):
-        inverse[k] = OVER / (matrix[k, k] + own[k])
+def sweep(n, stride, lanes, matrix):
+    """SWEEPS of projected over-relaxation for the loads of n strips, forwards and backwards in turn."""
+    load, left, own, inverse = lanes[LOAD], lanes[LEFT], lanes[OWN], lanes[INVERSE]
     for turn in range(SWEEPS):
         for each in range(n):
             k = each if turn % 2 == 0 else n - 1 - each
-            s0, s1, s2, s3 = own[k] * load[k], 0.0, 0.0, 0.0
-            whole = n - n % 4
-            for j in range(0, whole, 4):
-                s0 += matrix[k, j] * load[j]
-                s1 += matrix[k, j + 1] * load[j + 1]
-                s2 += matrix[k, j + 2] * load[j + 2]
-                s3 += matrix[k, j + 3] * load[j + 3]
-            for j in range(whole, n):
-                s0 += matrix[k, j] * load[j]
-            load[k] = max(load[k] + inverse[k] * (rest[k] - ((s0 + s1) + (s2 + s3))), 0.0)
+            move = max(load[k] + inverse[k] * left[k], NOTHING) - load[k]
+            if move != NOTHING:
+                row = matrix[k * stride : (k + 1) * stride]
+                for j in range(stride):
+                    left[j] -= move * row[j]
+                left[k] -= own[k] * move
+                load[k] += move

@@ -25,14 +25,14 @@ class Strips:
     Attributes
     ----------
     strip : STRIP array (n,)
-    square : array (n, n)
-        Squared distance of each two along the surface, geometric mean over both widths [m^2].
+    apart : array (n, n)
+        Distance of each two along the surface, geometric mean over both widths, in single precision [m].
     nodes : int
         Of the slenderness factor.
     """
 
     strip: np.ndarray
-    square: np.ndarray
+    apart: np.ndarray
     nodes: int
 
 
@@ -75,11 +75,11 @@ def strips_of(mounting, fineness=1.0):
     strip["arc"] = np.cumsum(strip["width"]) - 0.5 * strip["width"]
     strip["bend"] = 0.5 * cosine / (mounting.radius + z)
     strip["hat"], strip["share"] = np.divmod(strip["arc"] / HAT, 1.0)
-    return Strips(strip, _squares(strip["arc"], strip["width"]), int(strip["hat"].max()) + 2)
+    return Strips(strip, _apart(strip["arc"], strip["width"]), int(strip["hat"].max()) + 2)
 
 
-def _squares(arc, width):
-    """Squared geometric mean distances of the points of each two strips [m^2]."""
+def _apart(arc, width):
+    """Geometric mean distances of the points of each two strips [m]."""
 
     def twice_integral(x):
         x = np.abs(x)
@@ -92,4 +92,4 @@ def _squares(arc, width):
         twice_integral(apart + outer) + twice_integral(apart - outer)
         - twice_integral(apart + inner) - twice_integral(apart - inner)
     )  # fmt: skip
-    return np.exp(2.0 * total / (width[:, None] * width[None, :]))
+    return np.exp(total / (width[:, None] * width[None, :])).astype(np.float32)
