@@ -10,7 +10,7 @@ import sys
 import numpy as np
 
 from railcli.analysis.certify import direct_minima
-from railcli.analysis.certify_forces import law_of
+from railcli.analysis.certify_forces import direct
 from railcli.analysis.overlap import Law
 from railcli.files.profiles import load_profile
 from railcli.model.contact_table import TableSettings, mount
@@ -27,10 +27,11 @@ def main(path):
     settings = TableSettings()
     mounting = mount(load_profile("ORES1002", "wheel"), load_profile("UIC60", "rail"), settings)
     law = Law(mounting, settings.young, settings.poisson)
-    points = law_of(mounting, settings)
+    points = direct(mounting, settings)
     z = direct_minima(mounting, (6.5e-3, ROLL, YAW), law.stations)[:, 1].min() + DEPTH
     strips = np.array([law(y, z, ROLL, YAW).gradient[1] for y in Y]) / 1e3
-    hertz = np.array([points((y, ROLL, YAW), z).q for y in Y]) / 1e3
+    minima = [direct_minima(mounting, (y, ROLL, YAW), law.stations) for y in Y]
+    hertz = np.array([points((y, ROLL, YAW), z, each).q for y, each in zip(Y, minima, strict=True)]) / 1e3
 
     def paint(figure):
         force, shape, pressure = figure.subplots(1, 3, width_ratios=(1.1, 1.0, 1.0))

@@ -242,7 +242,7 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, apart, elastic, tolera
     if energy > 0.0:
         describe_parts(1.0, count, minima, minima.shape[0], strip, row, q, work, sums, 0, patches)
         for k in range(count):
-            row[int(work[7, k])]["half"] = sqrt(work[0, k])
+            row[int(work[5, k])]["half"] = sqrt(work[0, k])
         for i in range(n):
             load = q[i] * strip[i]["width"]
             if load > 0.0:
