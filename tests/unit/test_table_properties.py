@@ -133,7 +133,7 @@ def test_no_basin_is_missed(pair, pose):
     mounting = mount(wheel, rail, grid)
     station = stations(mounting)
     found, counts = np.zeros((1, PER_CORNER, 6)), np.zeros(1, np.int64)
-    solve_orientation(0, 0.0, pose[1], abs(pose[2]), pose[0], 1e-3, *mounting.kernel_arguments, station, found, counts)
+    solve_orientation(0, 0.0, pose[1], abs(pose[2]), pose[:1], *mounting.kernel_arguments, station, found, counts)
     place = np.arange(station[0], station[-1], 20e-6)
     expected = basins(place, surface(mounting, pose, place))
     expected = expected[(expected[:, 1] < expected[:, 1].min() + 0.1e-3) & (expected[:, 2] > tol.SCAN_BARRIER)]
