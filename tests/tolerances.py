@@ -436,3 +436,14 @@ STORED_PLACE = 0.02e-3  # [m] between nodes
 STRIP_WIDTH = 5e-3  # four strips over a half width leave 0.7 % of the force, eight 0.2 %
 STRIP_EDGE = 0.03  # of area and greatest pressure: a patch ends with a strip, of which there are twenty
 STRIP_PLACE = 0.05e-3  # [m] where loads of strips of 0.6 mm balance
+
+# --- Certificate of forces ---
+CONE_APPROACH = 5e-4  # kp's logarithm by 10 Gauss points a side; measured 1.5e-4, Hertz's 1e-12
+CONE_LOAD_CENTRE = 1e-5  # [m] half ellipses of kp bend with the circle of the head; measured 4e-6
+CONE_LOAD_ANGLE = 2e-5  # [rad] that place over the radius of the head
+ENERGY_SLOPE = 1e-4  # of the force: energies to 1e-8 over steps of 1e-8 m; measured 4e-5
+NODE_FORCE = 1e-8  # [%] rounding
+NODE_PLACE = 1e-8  # [mm] rounding
+CONE_TABLE_PERCENT = 1e-4  # of a table in which everything is smooth; measured 7e-6
+CONE_TABLE_MM = 1e-6
+CONE_STRIPS_PERCENT = 0.05  # 1.493 after the second order, and 0.016 of the table itself

@@ -4,13 +4,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from railcli.kernels.branches import PER_CORNER
 from railcli.kernels.contact import elastic_share, look_up
 from railcli.kernels.difference import slope_difference, wheel_axes
 from railcli.kernels.heights import stored
 from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, PATCH_ROWS, SAMPLE_ROWS, TABLE, Node, Part, Region
 from railcli.kernels.patch import fill_patches
-from railcli.kernels.tabulate import fill_nodes, keep_near
+from railcli.kernels.tabulate import fill_nodes
 from railcli.model.contact_table import mount
 
 from .build_table import wheel_regions
@@ -23,6 +22,7 @@ COUNTED = 0.01  # share of the load from which a patch is missed or invented [-]
 BESIDE = 0.3e-3  # a patch looked up so far beside a true one is another [m]
 AIMS = {"normal_percent": (0.5, 1.0, 3.0), "centre_mm": (0.05, 0.1, 0.3)}  # of the errors' p99, p99.9 and largest
 LIMITS = {"normal_percent": 4.0, "centre_mm": 0.5}  # of their p99, which a good table keeps
+OFF = 1.0  # error of the resultant that poses are counted for [%]
 MOST_UNLIKE = 0.01  # of the compared poses: patches missed or invented
 SIZES = ("p99", "p999", "max")
 REGIONS = Region.TIP, Region.FLANK, Region.ROOT, Region.TREAD  # from the flange to the field side
@@ -132,9 +132,8 @@ class Branches:
 
     def __call__(self, pose, z, minima):
         y, roll, yaw = pose
-        found, counts = np.zeros((1, PER_CORNER, 6)), np.zeros(1, np.int64)
-        found[0, : minima.shape[0]] = minima[:PER_CORNER]
-        n = counts[0] = keep_near(found[0], min(minima.shape[0], PER_CORNER))
+        n = minima.shape[0]
+        found, counts = minima[None], np.array([n])
         geometry = self.mounting.kernel_arguments
         node, basin = np.zeros((n, NODE_CHANNELS)), np.zeros((n, 2))
         material = self.settings.young, self.settings.poisson
@@ -195,7 +194,8 @@ def certify_forces(table, wheel, rail, poses, seed=SEED, progress=None):
     -------
     dict
         Poses `compared`, in `by_region` by the part of the wheel that bears most; `refused` by the look-up; patches
-        that bear more than COUNTED of the load `missed` and `invented`; for every quantity p99, p999, max, where the
+        that bear more than COUNTED of the load `missed` and `invented`; `off_share` of the poses at which the resultant
+        is off by more than OFF; for every quantity p99, p999, max, where the
         worst is, and `by_region` p99, p999 and max of each part: resultant normal_percent, its parts lateral_percent
         and vertical_percent, all over the true resultant; load centre on the wheel centre_mm and rolling radius_mm,
         means by the load. Without the quantities when there was nothing to compare.
@@ -229,6 +229,7 @@ def certify_forces(table, wheel, rail, poses, seed=SEED, progress=None):
     certificate = {"compared": len(errors), "refused": refused, "missed": missed, "invented": invented}
     if not len(errors):
         return certificate
+    certificate["off_share"] = float((errors[:, 0] > OFF).mean())
     parts = {region.name.lower(): regions == region for region in Region if (regions == region).any()}
     certificate["by_region"] = {name: int(part.sum()) for name, part in parts.items()}
     for name, column in zip(QUANTITIES, errors.T, strict=True):

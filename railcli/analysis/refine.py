@@ -198,7 +198,7 @@ def refine_knots(settings, accuracy, most_bytes, build, say=None):
             say(stages[-1])
         if ratio <= 1.0:
             return table, facts, certificate, stages
-        reached = f"fineness {settings.fineness:.3g} ({table.bytes / 1e6:.0f} MB) gives {accuracy * ratio:.2g} %"
+        reached = f"fineness {settings.fineness:.3g} ({table.bytes / 1e6:.3g} MB) gives {accuracy * ratio:.2g} %"
         if len(stages) > 1 and ratio > STALLED * stages[-2].excess:
             raise CheckError(
                 f"accuracy {accuracy:g} % cannot be had with closer knots: {reached}, "
@@ -209,7 +209,7 @@ def refine_knots(settings, accuracy, most_bytes, build, say=None):
         fineness = settings.fineness * factor
         if size > most_bytes or fineness > LIMITS["fineness"][1]:
             raise CheckError(
-                f"accuracy {accuracy:g} % cannot be had within {most_bytes / 1e6:.0f} MB: the next grid would take "
-                f"{size / 1e6:.0f} MB; {reached}; ask for that, or allow more with --largest"
+                f"accuracy {accuracy:g} % cannot be had within {most_bytes / 1e6:.3g} MB: the next grid would take "
+                f"{size / 1e6:.3g} MB; {reached}; ask for that, or allow more with --largest"
             )
         settings = replace(settings, fineness=fineness)

@@ -160,7 +160,7 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     say = None if quiet else lambda text: click.echo(text, err=True)
 
     def build(settings):
-        return tables.make(wheel, rail, settings, method, poses, quiet, say, seed)
+        return tables.make(wheel, rail, settings, method, poses, quiet, say, seed, warns=not goal)
 
     def along(table, axis):
         return tables.measure(table, wheel, rail, max(poses // 4, 1), quiet, seed, axis)
@@ -171,6 +171,8 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
         table, facts, certificate, stages = refine(settings, *goal, build, along)
     else:
         (table, facts, certificate), stages = build(settings), []
+    if goal:
+        tables.warn(certificate, wheel, rail)
     path = path or tables.cached_path(table.settings, wheel, rail, method)
     tables.save(table, path, certificate)
     if plot is not None and picture is None:

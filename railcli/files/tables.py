@@ -325,7 +325,9 @@ def profiles_of(table, path, wheel=None, rail=None):
     return profiles
 
 
-def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=False, announce=None, seed=None):
+def make(
+    wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=False, announce=None, seed=None, warns=True
+):
     """Build a contact table and certify it, with progress on stderr.
 
     Parameters
@@ -334,6 +336,8 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
         Poses of the certificate; 0: none.
     announce : callable, optional
         Called with a sentence when something has to be compiled first.
+    warns : bool
+        Warn of its shortcomings.
 
     Returns
     -------
@@ -350,13 +354,19 @@ def make(wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=Fal
     if not poses:
         return table, facts, {}
     certificate = measure(table, wheel, rail, poses, quiet, seed)
+    if warns:
+        warn(certificate, wheel, rail)
+    return table, facts, certificate
+
+
+def warn(certificate, wheel, rail):
+    """Say on stderr in what a table falls short of its limits."""
     if found := shortcomings(certificate):
         print(
             f"Warning: contact table of {wheel.name} on {rail.name}: {'; '.join(found)}; smooth measured profiles "
             "(railcli profile import --smooth 4, or 8) or refine the grid (railcli build-lut --accuracy)",
             file=sys.stderr,
         )
-    return table, facts, certificate
 
 
 def shortcomings(certificate):

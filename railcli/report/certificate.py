@@ -1,6 +1,6 @@
 """The certificates of a contact table for readers: the errors of its look-up in geometry and in forces."""
 
-from railcli.analysis.certify_forces import AIMS, COUNTED, DEPTHS, SIZES, beyond_aims
+from railcli.analysis.certify_forces import AIMS, COUNTED, DEPTHS, OFF, SIZES, beyond_aims
 
 from .text import columns
 
@@ -58,6 +58,7 @@ def _of_forces(certificate, forces):
         *_errors(forces, names),
         "By the part of the wheel that bears most, p99 / p99.9 / max:",
         *columns(parts, ("", "poses", *names.values())),
+        f"  resultant off by more than {OFF:g} %: {forces['off_share']:.2%} of the poses",
         f"  patches with more than {COUNTED:.0%} of the load missed: {forces['missed']}, invented: "
         f"{forces['invented']}; poses refused: {forces['refused']}",
         *aim_lines(forces),

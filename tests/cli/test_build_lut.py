@@ -1,6 +1,7 @@
 """`railcli build-lut` as a user sees it."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -41,13 +42,13 @@ def test_prints_positions_time_size_and_certificate(coarse):
 
 
 def test_errors_are_told_by_part_of_the_profile(coarse):
-    """Built and checked alike: one line for each part, with as many contacts as the certificate compared."""
+    """Built and checked alike: lines for each part, with contacts or poses and errors of geometry or of forces."""
     lines = build("--check", coarse[0], "--poses", "150", "--seed", "1", "-q").stdout.splitlines()
     parts = [line.split() for line in lines if line.split()[:1] in (["tread"], ["root"], ["flank"], ["tip"])]
     heads = [k for k, line in enumerate(lines) if line.startswith("By part of the wheel profile")]
     assert len(heads) == 2  # measured now, and when it was built
     assert {words[0] for words in parts} >= {"tread", "flank", "tip"}
-    assert all(int(words[1].replace(",", "")) > 0 and words.count("/") == 4 for words in parts)
+    assert all(int(words[1].replace(",", "")) > 0 and words.count("/") in (4, 10) for words in parts)
 
 
 SMALL = ["--y-range", "5", "--roll-range", "5", "--yaw-range", "10", *COARSE[:6], "--poses", "300", "-q"]
@@ -183,3 +184,83 @@ def test_table_that_falls_short_says_so(tmp_path):
     assert result.exit_code == 0 and (tmp_path / "coarse.h5").exists()
     assert "Warning: contact table of ORES1002 on UIC60: p99 of " in result.stderr
     assert "--smooth 4" in result.stderr and "--accuracy" in result.stderr
+
+
+HEIGHTS = ["--normal", "overlap", "--y-range", "3", "--roll-range", "2", "--yaw-range", "5", "--poses", "100", "-q"]
+
+
+@pytest.fixture(scope="module")
+def heights(tmp_path_factory):
+    """A small table of heights as the command writes it, with its picture, and what it printed."""
+    path = tmp_path_factory.mktemp("heights") / "table.h5"
+    result = build(*HEIGHTS, "-o", path, "--plot", "--format", "json")
+    assert result.exit_code == 0, result.stderr
+    return path, json.loads(result.stdout)
+
+
+def test_table_of_heights_is_certified_by_its_forces(heights):
+    path, record = heights
+    forces = record["certificate"]["forces"]
+    assert record["positions"] == math.prod(tables.read(path).table.counts) and "branches" not in record["certificate"]
+    assert forces["compared"] == 100 == sum(forces["by_region"].values()) and forces["refused"] == 0
+    assert forces["normal_percent"]["p99"] < 4.0 and forces["centre_mm"]["p99"] < 0.5
+    assert path.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_check_of_heights(heights):
+    """Grid, errors, aims and limits in words; the verdict for machines."""
+    text = build("--check", heights[0], "--poses", "100", "--seed", "4", "-q")
+    assert text.exit_code == 0, text.stderr
+    lines = text.stdout.splitlines()
+    assert sum(line.startswith("Error of forces by look-up") for line in lines) == 2  # now, and when it was built
+    assert sum(line.startswith("Aims of p99") for line in lines) == 2
+    assert any("knots" in line and "fineness 1" in line for line in lines)
+    assert lines[-1] == "Limits of p99: normal_percent 4, centre_mm 0.5: kept"
+    result = build("--check", heights[0], "--poses", "100", "--seed", "4", "-q", "--format", "json")
+    record = json.loads(result.stdout)
+    assert record["verdict"] == "passed" and record["certificate"]["seed"] == 4
+    assert record["certificate_when_built"] == heights[1]["certificate"]
+
+
+def test_hertz_is_certified_by_both(coarse):
+    certificate = coarse[1]["certificate"]
+    assert certificate["branches"] and certificate["forces"]["compared"] == 100
+    assert set(certificate["forces"]["by_region"]) <= {"tread", "root", "flank", "tip"}
+
+
+def test_accuracy_of_forces(tmp_path):
+    """What the first grid gives; and what closer knots do not: one line, nothing written."""
+    result = build(*HEIGHTS, "--accuracy", "10", "-o", tmp_path / "t.h5", "--format", "json")
+    record = json.loads(result.stdout)
+    assert record["accuracy_percent"] == 10.0 and record["refinement"][-1]["error_over_allowed"] <= 1.0
+    assert record["certificate"]["forces"]["normal_percent"]["p99"] <= 5.0
+    text = build("--normal", "overlap", *HEIGHTS[2:], "--accuracy", "10", "-o", tmp_path / "t.h5", "--overwrite").stdout
+    assert "Accuracy 10 %" in text and "fineness" in text
+    result = build(*HEIGHTS, "--accuracy", "0.01", "--largest", "0.3", "-o", tmp_path / "none.h5")
+    assert result.exit_code == 4 and not (tmp_path / "none.h5").exists()
+    (line,) = result.stderr.splitlines()
+    assert "0.01 %" in line and "--largest" in line
+
+
+def test_fineness_is_kept_and_told(tmp_path):
+    assert build(*HEIGHTS, "--fineness", "1.5", "--poses", "0", "-o", tmp_path / "fine.h5").exit_code == 0
+    table = tables.read(tmp_path / "fine.h5").table
+    assert table.settings.fineness == 1.5
+    wanted = tables.Expected(*tables.profiles_of(table, ""), table.settings)
+    assert "--fineness 1.5" in wanted.rebuild("t.h5")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--normal", "overlap", "--y-step", "0.1"], ["--y-step", "--fineness"]),
+        (["--normal", "overlap", "--curvature-window", "1"], ["--curvature-window", "--fineness"]),
+        (["--fineness", "2"], ["fineness", "hertz"]),
+        (["--normal", "overlap", "--fineness", "100"], ["fineness", "0.25 ... 8"]),
+    ],
+)
+def test_grids_that_a_law_does_not_take(arguments, words):
+    result = build(*arguments)
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert all(word in line for word in words), line
