@@ -75,8 +75,8 @@ class Columns:
         heights = np.zeros((y.size, HEIGHTS))
         parts = np.zeros((HEIGHTS * int(counts.sum()) if patches else 0, HEIGHTS))
         solved = fill_columns(
-            roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips.strip, self.strips.apart, self.elastic,
-            LEVELS, tolerance, most, found, counts, heights, parts,
+            roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips.strip, self.strips.apart,
+            self.elastic, LEVELS, tolerance, most, found, counts, heights, parts,
         )  # fmt: skip
         if solved < 0:
             raise InputError("contact geometry", f"{NO_CONTACT}; choose a smaller range of y or roll")

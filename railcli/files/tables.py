@@ -41,8 +41,8 @@ ARRAYS = {
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
     "heights": "of normal 'overlap' alone: rows of w = U^0.4 [J^0.4], weights of slopes, parts of the wheel [m], "
-    "shears of the grid; then bins, knots of sheared y [m], roll [rad] and yaw^2 [rad^2], attribute 'knots' of them, each "
-    "followed by the cubics of its splines; then their coefficients [m], ordered roll, yaw^2, y; then for each part of "
+    "shears of the grid; then bins, knots of sheared y [m], roll [rad] and yaw^2 [rad^2], attribute 'knots' of them, "
+    "each followed by the cubics of its splines; then their coefficients [m], ordered roll, yaw^2, y; for each part of "
     "the contact and every w the values of attribute 'part'; corners of branches count these parts",
 }
 UNITS = (
