@@ -9,7 +9,6 @@ from railcli.kernels import jit, step
 
 from .build_table import build_table
 from .certify import certify
-from .certify_forces import certify_forces
 
 CORE = (step.advance, step.record_rows, step.finish, step.evaluate)
 LAST_OF_TABLES = "branches.join_cells"  # the last function that a table needs
@@ -41,6 +40,8 @@ def warm_tables(wheel, rail, settings, announce=None):
     announce : callable, optional
         As in `warm`.
     """
+    from .certify_forces import certify_forces
+
     if announce and not _is_kept(LAST_OF_TABLES):
         announce("Compiling the kernels of contact tables (once for this version and machine, up to 20 s) ...")
     tiny = replace(

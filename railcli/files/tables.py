@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from railcli import __version__
-from railcli.analysis import certify_forces
 from railcli.analysis.build_table import build_table
 from railcli.analysis.certify import LIMITS, SEED, certify
 from railcli.analysis.certify import shortcomings as of_geometry
@@ -371,12 +370,16 @@ def warn(certificate, wheel, rail):
 
 def shortcomings(certificate):
     """Sentences that say in what a table falls short of its limits, geometry and forces; none for a good one."""
+    from railcli.analysis import certify_forces
+
     found = of_geometry(certificate) if "branches" in certificate else []
     return found + certify_forces.shortcomings(certificate["forces"])
 
 
 def limits(table):
     """Limits of p99 errors that a good table keeps, by the keys of its certificate."""
+    from railcli.analysis import certify_forces
+
     return certify_forces.LIMITS if table.settings.stores_heights else {**LIMITS, **certify_forces.LIMITS}
 
 
@@ -391,6 +394,8 @@ def measure(table, wheel, rail, poses, quiet=False, seed=None, axis=None):
         As `analysis.certify` gives it, but poses and seed alone of a table of heights; `forces` as
         `analysis.certify_forces`.
     """
+    from railcli.analysis import certify_forces
+
     seed = SEED if seed is None else seed
     certificate = {"poses": poses, "seed": seed}
 
