@@ -21,10 +21,11 @@ DEPTHS = np.array([12.0, 25.0, 42.0, 64.0, 92.0, 128.0, 175.0, 250.0]) * 1e-6
 REFERENCE = 82e9  # N over depth^1.5 of the contact in which DEPTHS are reached, a usual one on a tread [N/m^1.5]
 NO_CONTACT = "at some position of the table no part of the wheel stands on the rail's running surface"
 LEVELS = (0.4 * REFERENCE * DEPTHS**2.5) ** POWER
-TOLERANCE, MOST = 3e-5, 6  # of the energy, and iterations
-ROUGH, ROUGH_MOST = 1e-4, 4  # where only the grid is chosen
+TOLERANCE, MOST = 2e-4, 8  # share of the energy that the last iteration adds, and iterations
+ROUGH, ROUGH_MOST = 1e-4, 10  # where only the grid is chosen
 ACCURACY = 2e-3  # error of a height over its depth that the grid allows
 LEAST_ERROR = 0.15e-6  # that is not worth refinement [m]
+LIFTED, CLIMBED = 6e-3, 10.0  # height [m] of a wheel that has climbed its flange, and by what its error may be greater
 LINES = (  # roll [rad] and yaw^2 [rad^2] along which the knots of y are chosen
     (0.0, 0.0), (-8e-3, 0.0), (4e-3, 2e-5), (2e-3, 1e-4), (12e-3, 4e-4)
 )  # fmt: skip
@@ -118,6 +119,7 @@ def refined(knots, evaluate, finest, accuracy):
         true = evaluate(middle)
         guess = make_interp_spline(knots, values, k=3, axis=1)(middle)
         allowed = np.maximum(accuracy * (true - true[..., :1] + DEPTHS[0]), LEAST_ERROR * accuracy / ACCURACY)
+        allowed = np.where(true[..., :1] < -LIFTED, CLIMBED * allowed, allowed)
         worst = (np.abs(guess - true) / allowed).max(axis=(0, 2))
         wide = (knots[1:] - knots[:-1])[left] > 1.99 * finest
         order = np.argsort(np.concatenate([knots, middle]))

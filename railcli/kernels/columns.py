@@ -198,7 +198,7 @@ def complete_parts(e, f, d, r0, wheel, w0, wh, minima, count, patches):
 def scratch(n):
     """What `strips.press` needs for n strips: work, lanes, matrix."""
     return (
-        np.zeros((6, n + 2)), np.zeros((LANE_ROWS, n + LANES), np.float32), np.zeros((2, n * (n + LANES)), np.float32)
+        np.zeros((7, n + 2)), np.zeros((LANE_ROWS, n + LANES), np.float32), np.zeros((2, n * (n + LANES)), np.float32)
     )  # fmt: skip
 
 

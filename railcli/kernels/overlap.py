@@ -11,9 +11,11 @@ import numpy as np
 from .difference import ahead, height
 from .jit import kernel
 
-SOLVED = 1e-10  # [m]
+NEAR = 2e-7  # distance from a strip's normal that the outline's tangent bridges: 2e-12 of the overlap [m]
 STEPS = 12
+LEAST_MOVE = 0.05e-3  # between strips from which the pace along the wheel is taken [m]
 LEAST_LEAN = 0.3  # cosine between the normals of wheel and rail below which a strip does not count
+LEAST_FALL = 0.1  # downward component of the wheel's normal from which the pace of the search is taken
 
 OVERLAP = np.dtype(
     [
@@ -62,22 +64,16 @@ def overlap(row, strip, s, y, z, e, f, d, r0, wheel, w0, wh):
     """
     ny, nz = strip["normal_y"], strip["normal_z"]
     out_y, out_z = strip["y"] - y, strip["z"] - z
-    x, py, pz, wy, wz, radius = outline(s, e, f, d, r0, wheel, w0, wh)
-    off = (py - out_y) * nz - (pz - out_z) * ny
-    rate = 1.0
+    x, py, pz, wy, wz, radius, off, lean = 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0
     for _ in range(STEPS):
-        if abs(off) < SOLVED:
-            break
-        move = -off / rate
-        s += move
         x, py, pz, wy, wz, radius = outline(s, e, f, d, r0, wheel, w0, wh)
-        after = (py - out_y) * nz - (pz - out_z) * ny
-        slope = (after - off) / move
-        if 0.2 < slope and slope < 5.0:
-            rate = slope
-        off = after
-    lean = wy * ny + wz * nz
-    row["h"] = (py - out_y) * ny + (pz - out_z) * nz if lean > LEAST_LEAN else 0.0
+        off = (py - out_y) * nz - (pz - out_z) * ny
+        lean = wy * ny + wz * nz
+        s -= off * max(wz, LEAST_FALL) / max(lean, LEAST_LEAN)
+        if abs(off) < NEAR:
+            break
+    across = (wz * ny - wy * nz) / max(lean, LEAST_LEAN)
+    row["h"] = (py - out_y) * ny + (pz - out_z) * nz - off * across if lean > LEAST_LEAN else 0.0
     share = 1.0 / max(lean, LEAST_LEAN)
     row["by_y"], row["by_z"] = share * wy, share * wz
     row["by_roll"] = share * (wz * (f[0] * py - f[1] * x) - wy * f[0] * pz)
@@ -88,35 +84,30 @@ def overlap(row, strip, s, y, z, e, f, d, r0, wheel, w0, wh):
 
 @kernel
 def spread(start, y, z, e, f, d, r0, seat, wheel, w0, wh, strip, row, h):
-    """Overlaps of all strips that hang together around a place of the wheel; those after it may be filled already.
+    """Overlaps of all strips that hang together around a place of the wheel; those of other places may be filled.
 
     start : profile coordinate of a minimum of the difference surface [m].  y : of T about nominal [m].
     row : OVERLAP (n,), h : (n,) filled where the bodies overlap; h is to be 0 elsewhere before.
-    Returns the range of strips, empty where the wheel does not reach the rail.
+    Returns the range of strips, empty where the wheel does not reach the rail or the place was filled before.
     """
     _, py, _, _, _, _ = outline(start, e, f, d, r0, wheel, w0, wh)
     at = np.searchsorted(strip["y"], y + seat + py)
     first, last = at, at
-    s = start
-    i = at
-    while i < strip.size:
-        s = overlap(row[i], strip[i], s, y + seat, z, e, f, d, r0, wheel, w0, wh)
-        if not row[i]["h"] > 0.0:
-            break
-        h[i] = row[i]["h"]
-        i += 1
-        last = i
-        if i < strip.size:
-            s += strip[i]["y"] - strip[i - 1]["y"]
-    s = start
-    i = at - 1
-    while i >= 0:
-        s = overlap(row[i], strip[i], s, y + seat, z, e, f, d, r0, wheel, w0, wh)
-        if not row[i]["h"] > 0.0:
-            break
-        h[i] = row[i]["h"]
-        first = i
-        if i > 0:
-            s += strip[i - 1]["y"] - strip[i]["y"]
-        i -= 1
+    if at < strip.size and h[at] > 0.0:
+        return first, last
+    for way in range(2):
+        s, pace, place = start, 1.0, y + seat + py
+        i = at - way
+        while 0 <= i and i < strip.size:
+            move = strip[i]["y"] - place
+            guess = s + pace * move
+            after = overlap(row[i], strip[i], guess, y + seat, z, e, f, d, r0, wheel, w0, wh)
+            if not row[i]["h"] > 0.0:
+                break
+            h[i] = row[i]["h"]
+            first, last = min(first, i), max(last, i + 1)
+            if abs(move) > LEAST_MOVE:
+                pace = min(max((after - s) / move, 0.5), 2.0)
+            s, place = after, strip[i]["y"]
+            i += 1 - 2 * way
     return first, last

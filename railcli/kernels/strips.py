@@ -39,7 +39,7 @@ PULL = (  # Gamma(t) (1 + t^2)^(1/2) as a polynomial of PULL_RATE y - PULL_SHIFT
 PULL_RATE, PULL_SHIFT = 2.0 / 0.82, 1.18 / 0.82
 LANES = 8  # strips that one instruction treats
 MARGIN = 3  # strips beside those that bear which may come to bear in one iteration
-SEED = 0.2  # line load over E* and overlap with which a patch begins
+SEED = 0.07  # line load over E* and overlap with which a patch begins
 AROUND = 2e-3  # a patch does not bear where the overlap is less than a share of the greatest one so near [m]
 DEPTH_LEFT = 0.35
 SWEEPS = 6  # of one iteration
@@ -47,6 +47,8 @@ OVER = 1.3  # relaxation
 DAMPING = 0.3  # share of a strip's own change of length that an iteration takes into account
 CHI = 1.5  # to begin with
 CHI_RANGE = (0.3, 100.0)
+STIFF = 0.05  # share by which a node of chi resists to move against its neighbours
+MOST_STEP = math.log(2.0)  # of ln chi in one iteration
 
 
 def bent(pull):
@@ -120,7 +122,7 @@ def press(strip, apart, h, first, last, elastic, tolerance, most, q, chi, work, 
         Iterations at most.
     q, chi : arrays (n,), (m,)
         Start, then result: line loads [N/m]; slenderness factors [-].
-    work : array (6, n + 2)
+    work : array (7, n + 2)
         Scratch; on return work[0] holds a^2 of the strips taken into account, and work[5] their indices.
     lanes, matrix : arrays (LANE_ROWS, n + LANES), (2, n (n + LANES)), single precision
         Scratch.
@@ -257,24 +259,7 @@ def relax(strip, h, n, q, chi, work, lanes, matrix, stride):
     """What is left of the overlap [m] (work[3], LEFT), the next chi; returns the energy that it adds [J]."""
     a2, kappa, turn, left, index = work[0], work[1], work[2], work[3], work[5]
     pinch = lanes[PINCH]
-    low, high = work[2], work[3]
-    begin, end = strip[int(index[0])]["hat"], strip[int(index[n - 1])]["hat"] + 2
-    low[: end - begin] = 0.0
-    high[: end - begin] = 0.0
-    for k in range(n):
-        i = int(index[k])
-        m, part, width = strip[i]["hat"] - begin, strip[i]["share"], strip[i]["width"]
-        pressed = q[i] * width * (a2[k] - 0.25 * width * width)
-        bends, pinches = pressed * strip[i]["bend"], pressed * pinch[k]
-        low[m], low[m + 1] = low[m] + (1.0 - part) * bends, low[m + 1] + part * bends
-        high[m], high[m + 1] = high[m] + (1.0 - part) * pinches, high[m + 1] + part * pinches
-    gain = 0.0
-    for m in range(end - begin):
-        if low[m] > 0.0:
-            old = chi[begin + m]
-            fresh = min(max(old / min(max(high[m] / low[m], 0.5), 2.0), CHI_RANGE[0]), CHI_RANGE[1])
-            gain += 0.125 * (low[m] - high[m]) * math.log(fresh / old)
-            chi[begin + m] = fresh
+    gain = slenderness(strip, n, q, chi, pinch, work)
     for k in range(n):
         i = int(index[k])
         turn[k] = 0.25 * q[i] * strip[i]["width"] / kappa[k] * (pinch[k] - strip[i]["bend"])
@@ -288,6 +273,48 @@ def relax(strip, h, n, q, chi, work, lanes, matrix, stride):
         left[k] = h[i] - 0.25 * strip[i]["bend"] * a2[k] + mean / strip[i]["width"] - lanes[REST, k]
         lanes[LEFT, k] = left[k]
         lanes[INVERSE, k] = OVER / (matrix[k * stride + k] + lanes[OWN, k])
+    return gain
+
+
+@kernel
+def slenderness(strip, n, q, chi, pinch, work):
+    """The next chi, which makes PINCH equal to A as the strips of each node see it; returns the energy it adds [J].
+
+    PINCH grows about as chi does at its strip: one equation for each node, between its neighbours.
+    """
+    a2, index, own, next_to, excess, step = work[0], work[5], work[2], work[3], work[4], work[6]
+    begin, end = strip[int(index[0])]["hat"], strip[int(index[n - 1])]["hat"] + 2
+    count = end - begin
+    own[:count] = 0.0
+    next_to[:count] = 0.0
+    excess[:count] = 0.0
+    for k in range(n):
+        i = int(index[k])
+        m, part, width = strip[i]["hat"] - begin, strip[i]["share"], strip[i]["width"]
+        pressed = q[i] * width * (a2[k] - 0.25 * width * width)
+        bends, over = pressed * strip[i]["bend"], pressed * (strip[i]["bend"] - pinch[k])
+        own[m] += (1.0 - part) * (1.0 - part) * bends + STIFF * (1.0 - part) * bends
+        own[m + 1] += part * part * bends + STIFF * part * bends
+        next_to[m] += part * (1.0 - part) * bends
+        excess[m] += (1.0 - part) * over
+        excess[m + 1] += part * over
+    for m in range(count):
+        step[m] = excess[m]
+        if m > 0 and own[m - 1] > 0.0:
+            ratio = next_to[m - 1] / own[m - 1]
+            own[m] -= ratio * next_to[m - 1]
+            step[m] -= ratio * step[m - 1]
+    gain = 0.0
+    for turn in range(count):
+        m = count - 1 - turn
+        if own[m] > 0.0:
+            step[m] = (step[m] - (next_to[m] * step[m + 1] if m < count - 1 else 0.0)) / own[m]
+            old = chi[begin + m]
+            factor = math.exp(min(max(step[m], -MOST_STEP), MOST_STEP))
+            chi[begin + m] = min(max(old * factor, CHI_RANGE[0]), CHI_RANGE[1])
+            gain += 0.125 * excess[m] * math.log(chi[begin + m] / old)
+        else:
+            step[m] = 0.0
     return gain
 
 
