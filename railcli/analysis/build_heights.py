@@ -6,7 +6,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from railcli.errors import InputError
 from railcli.kernels.branches import PER_CORNER
@@ -112,6 +111,8 @@ def refined(knots, evaluate, finest, accuracy):
     accuracy : float
         Error of a height over the depth beyond the least of its column.
     """
+    from scipy.interpolate import make_interp_spline
+
     values = evaluate(knots)
     left = np.ones(knots.size - 1, bool)
     while left.any():

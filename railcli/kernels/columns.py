@@ -17,6 +17,7 @@ from .strips import CHI, CHI_RANGE, LANE_ROWS, LANES, press
 FIRST_DEPTH = 30e-6  # beyond first touch, where the search for the first height begins [m]
 TRIES = 6
 NEAR = 0.03  # difference from a wanted w that a tangent bridges [-]
+DEEPER = 2.5  # times as deep where first touch falls between strips
 RESTART = 0.3  # least share of its depth that a try may keep
 CLOSE = 0.6e-3  # positions so near that the loads at one are a good guess at the next [m]
 ALONG = 2.1
@@ -308,7 +309,10 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
                 )  # fmt: skip
                 solved += 1
                 if not energy > 0.0:
-                    return -1
+                    if turn == TRIES - 1:
+                        return -1
+                    z = touch + DEEPER * (z - touch)
+                    continue
                 value = energy**POWER
                 rate = energy / (POWER * value * force)
                 if abs(levels[level] - value) < NEAR * levels[level] or turn == TRIES - 1:

@@ -12,14 +12,20 @@ import numpy as np
 from numba import types
 
 from .jit import constant, mutable
+from .table_layout import HEIGHTS as HEIGHTS
+from .table_layout import NODE_CHANNELS as NODE_CHANNELS
+from .table_layout import PATCH_PENETRATIONS as PATCH_PENETRATIONS
+from .table_layout import PATCH_ROWS as PATCH_ROWS
+from .table_layout import PRESS_CHANNELS as PRESS_CHANNELS
+from .table_layout import TABLE as TABLE
+from .table_layout import Node as Node
+from .table_layout import Part as Part
+from .table_layout import Press as Press
+from .table_layout import Region as Region
 
 MAX_CONTACT = 6  # contact patches kept per wheel: four branches, and more where they end within a cell
 CURVE_KNOTS = 32
-NODE_CHANNELS = 24
 PATH_ORDER = 8
-PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
-HEIGHTS = 8  # energies at which a table of heights is kept; numbers in each of its rows
-PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 SAMPLE_ROWS = MAX_CONTACT + 4  # patches, then rows at hand
 SHIFT_CHANNELS = 8  # right rail: lateral [m], its slope [-], vertical [m], its slope [-]; left rail likewise
 
@@ -182,104 +188,6 @@ WHEEL = np.dtype(
     ],
     align=True,
 )
-
-TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll, squared yaw
-    [
-        ("y_start", "f8"),  # lateral position of the reference point about nominal [m]
-        ("y_step", "f8"),
-        ("y_count", "i8"),
-        ("roll_start", "f8"),  # [rad]
-        ("roll_step", "f8"),
-        ("roll_count", "i8"),
-        ("yaw2_step", "f8"),  # squared yaw, from 0 [rad^2]
-        ("yaw2_count", "i8"),
-        ("cell_base", "i8"),  # where its cells begin in Model.cell
-        ("branch_base", "i8"),  # where its branches begin in Model.branch
-        ("node_base", "i8"),  # where its nodes begin in Model.node
-        ("patch_base", "i8"),  # where the patches of its nodes begin, counted from there; -1: Hertz's ellipses
-        ("levels", "i8"),  # where its heights begin in Model.heights, -1: it has none; then what belongs to its axes
-        ("y_bins", "i8"),
-        ("roll_bins", "i8"),
-        ("yaw2_bins", "i8"),
-        ("y_knots", "i8"),
-        ("y_basis", "i8"),
-        ("roll_knots", "i8"),
-        ("roll_basis", "i8"),
-        ("yaw2_knots", "i8"),
-        ("yaw2_basis", "i8"),
-        ("coefficients", "i8"),
-        ("parts", "i8"),  # of the contact: HEIGHTS rows for each node
-        ("shear", "f8"),  # shear modulus of wheel and rail [Pa]
-        ("poisson", "f8"),  # [-]
-    ],
-    align=True,
-)
-
-
-class Node(IntEnum):
-    """Channels of a table node: one contact point of a wheel at one grid pose (theory.md section 4)."""
-
-    GAP_Y = 0  # slopes over y: of GAP [-], of SLOPE [1/m], of LATERAL [-]
-    SLOPE_Y = 1
-    LATERAL_Y = 2
-    GAP_ROLL = 3  # over roll [m/rad, 1/rad, m/rad]
-    SLOPE_ROLL = 4
-    LATERAL_ROLL = 5
-    GAP_YAW2 = 6  # over yaw^2 [m/rad^2, 1/rad^2, m/rad^2]
-    SLOPE_YAW2 = 7
-    LATERAL_YAW2 = 8
-    GAP = 9  # D, distance from rail to wheel along z [m]
-    SLOPE = 10  # of the rail there, tangent of the contact angle [-]
-    LATERAL = 11  # profile coordinate on the wheel, from the tape circle to the field side [m]
-    RADIUS = 12  # distance of the contact from the axle; in a table less WHEEL_SLOPE LATERAL / 2 [m]
-    WHEEL_SLOPE = 13  # of the wheel profile there, dRADIUS / dLATERAL [-]
-    BARRIER_GAUGE = 14  # D of the saddle towards the flange minus D, at most BARRIER_CAP [m]
-    BARRIER_FIELD = 15  # likewise towards the field side [m]
-    HERTZ = 16  # k of N = k d^1.5, d the approach along the normal [N/m^1.5]
-    SEMI_X = 17  # a / d^0.5 [m^0.5]
-    SEMI_Y = 18  # b / d^0.5 [m^0.5]
-    F11 = 19  # f11 / d [N/m]
-    F22 = 20  # f22 / d [N/m]
-    F23 = 21  # f23 / d^1.5 [N/m^0.5]
-    F33 = 22  # f33 / d^2 [N]
-    REGION = 23  # part of the wheel profile, Region
-
-
-class Press(IntEnum):
-    """What the patch rows of a node hold for each penetration, in this order (theory.md section 6.5)."""
-
-    HERTZ = 0  # N / d^1.5, d the penetration times the cosine of the contact angle below [N/m^1.5]
-    SEMI_X = 1  # a / d^0.5 [m^0.5]
-    SEMI_Y = 2  # b / d^0.5 [m^0.5]
-    LATERAL = 3  # profile coordinate of the resultant [m]
-    SLOPE = 4  # tangent of its contact angle [-]
-    RADIUS = 5  # distance of its place from the axle [m]
-
-
-PRESS_CHANNELS = len(Press)
-
-
-class Part(IntEnum):
-    """What a table of heights holds of each part of the contact at every height, in rows (theory.md section 6.8)."""
-
-    SHARE = 0  # of the normal forces of the wheel [-]
-    SLOPE = 1  # tangent of the contact angle of its resultant [-]
-    LATERAL = 2  # profile coordinate of its load on the wheel [m]
-    RADIUS = 3  # distance of that from the axle [m]
-    SEMI_X = 4  # a / w^0.5 [m/J^0.2]
-    SEMI_Y = 5  # b / w^0.5, of the ellipse with its a and area [m/J^0.2]
-    PRESSURE = 6  # greatest one / w^0.5 [Pa/J^0.2]
-    UNUSED = 7
-
-
-class Region(IntEnum):
-    """Label of a contact point: the part of the wheel profile on which it lies."""
-
-    TREAD = 0
-    ROOT = 1
-    FLANK = 2
-    TIP = 3
-
 
 FRAME = np.dtype(  # derived: pose and motion of a body against the ground, all vectors in ground axes
     [

@@ -1,7 +1,6 @@
 """Tables of heights in the rows that the core reads (theory.md section 6.8)."""
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from railcli.kernels.heights import HEAD, REGIONS, SHEAR, WEIGHTS
 from railcli.kernels.layout import HEIGHTS
@@ -34,6 +33,8 @@ def pack(levels, regions, shear, axes, values, parts):
     -------
     array (n, HEIGHTS)
     """
+    from scipy.interpolate import make_interp_spline
+
     head = np.zeros((HEAD, HEIGHTS))
     head[0] = levels
     head[WEIGHTS : WEIGHTS + 3] = slope_weights(levels).T
@@ -88,6 +89,8 @@ def cubics(knots):
 
     Splines as scipy's `make_interp_spline` makes them: the second and the last but one knot are none of theirs.
     """
+    from scipy.interpolate import BSpline, make_interp_spline
+
     n = knots.size
     basis = make_interp_spline(knots, np.eye(n), k=ORDER)
     basis = BSpline(basis.t, np.eye(n), ORDER)
