@@ -435,7 +435,7 @@ JOINING = 0.05  # second difference of the force over 10 um: 80 um of overlap gr
 STORED_PLACE = 0.02e-3  # [m] between nodes
 STRIP_WIDTH = 5e-3  # four strips over a half width leave 0.7 % of the force, eight 0.2 %
 STRIP_EDGE = 0.03  # of area and greatest pressure: a patch ends with a strip, of which there are twenty
-STRIP_PLACE = 0.05e-3  # [m] where loads of strips of 0.6 mm balance
+STRIP_PLACE = 0.05e-3  # [m] where loads of strips of 0.4 mm balance
 
 # --- Certificate of forces ---
 CONE_APPROACH = 5e-4  # kp's logarithm by 10 Gauss points a side; measured 1.5e-4, Hertz's 1e-12
