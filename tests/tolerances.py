@@ -301,7 +301,7 @@ TABLE_OR_LINES = 0.01  # relative: curvature of the profiles over 0.5 mm; what r
 SAME_CYCLE = 0.02  # of the amplitude: a ramp stops at 1 % of change from window to window
 CYCLE_FREQUENCY = 0.05  # relative: one amplitude stands for four wheelsets of 1.7 to 2.9 mm; creep that saturates
 DESCRIBING = 1e-6  # straight between 1/1000 of the amplitude; rounding of distances of 1e-3 m over 1 mm
-TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
+BOTH_TOUCH = 1e-9  # [m] second order of a roll of 6e-6 rad and of its slope
 LINE = 1e-4  # relative: second order in y = 0.1 mm and its roll
 SINE = 1e-5  # relative: crossings by straight lines between 75 samples per period
 MOVED_TOGETHER = 1e-9  # of the largest entry of the matrix: rounding of differences

@@ -150,6 +150,8 @@ def save(table, path, certificate=None):
             }
         )
         for name, description in ARRAYS.items():
+            if name == "heights" and not table.settings.stores_heights:
+                continue
             file[name] = getattr(table, name)
             file[name].attrs["description"] = description
         file["node"].attrs["channels"] = ", ".join(channel.name.lower() for channel in Node)
@@ -157,8 +159,9 @@ def save(table, path, certificate=None):
         if table.settings.patches:
             file["node"].attrs["penetrations_m"] = PATCH_PENETRATIONS
             file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in Press)
-        file["heights"].attrs["knots"] = table.counts
-        file["heights"].attrs["part"] = ", ".join(channel.name.lower() for channel in Part)
+        if table.settings.stores_heights:
+            file["heights"].attrs["knots"] = table.counts
+            file["heights"].attrs["part"] = ", ".join(channel.name.lower() for channel in Part)
 
 
 def load(path, expect=None):

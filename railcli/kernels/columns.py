@@ -126,7 +126,8 @@ def part_of(s, minima, count):
 def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patches):
     """Write the share, place and size of each part of the contact at one height into its rows (members of `Part`).
 
-    Strips that bear side by side are one part, of the minimum in whose basin they bear most.
+    Strips that bear side by side are one part, of the minimum in whose basin they bear most. Pressures are those of the
+    mean loads from which half lengths follow.
 
     w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (count, 9) scratch.
     patches : (count, HEIGHTS, HEIGHTS) filled at `level`.
@@ -155,7 +156,8 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
             part[4] += load * row[i]["radius"]
             part[5] += 2.0 * half * strip[i]["width"]
             part[6] = max(part[6], half)
-            part[8] = max(part[8], 2.0 * q[i] / (pi * half))
+            mean = 0.5 * q[i] + 0.25 * (q[max(i - 1, 0)] + q[min(i + 1, q.size - 1)])
+            part[8] = max(part[8], 2.0 * mean / (pi * half))
             total += load
         k = max(end, k + 1)
     root = 1.0 / sqrt(w)

@@ -12,9 +12,9 @@ STEEPEST = 4.0  # slope of a rail beyond which there are no strips [-]
 HAT = 6e-3  # distance of the nodes of the slenderness factor along the rail [m]
 WIDTHS = (  # contact angle [rad] and width there [m], linear between: patches are the narrower the steeper
     (math.radians(4.0), 0.4e-3),
-    (math.radians(12.0), 0.2e-3),
-    (math.radians(50.0), 0.2e-3),
-    (math.radians(60.0), 0.08e-3),
+    (math.radians(12.0), 0.3e-3),
+    (math.radians(50.0), 0.3e-3),
+    (math.radians(60.0), 0.12e-3),
 )
 
 

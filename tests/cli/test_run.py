@@ -71,7 +71,7 @@ def test_list_names_every_built_in_scenario():
     result = run("--list")
     assert result.exit_code == 0
     listed = {line.split()[0] for line in result.stdout.splitlines()}
-    places = [*ROOT.glob("benchmarks/*/cases/*.toml"), *ROOT.glob("vehicles/*/cases/*.toml")]
+    places = [*ROOT.glob("benchmarks/manchester/cases/*.toml"), *ROOT.glob("vehicles/*/cases/*.toml")]
     assert listed == {path.stem for path in places}
 
 

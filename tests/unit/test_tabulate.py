@@ -110,7 +110,7 @@ def test_first_touch_is_continuous(table, direction):
 def test_pool_of_two(profiles, twins):
     """In a pool each wheel reads its own table: wheels of another radius and the first ones as before."""
     other = build_table(*profiles, replace(twins[0].settings, radius=0.42))[0]
-    records, *shared = pool([twins[0], other])
+    records, *shared, _ = pool([twins[0], other])
     rng = np.random.default_rng(5)
     for pose in rng.uniform(-1, 1, (100, 3)) * [9.9e-3, 7.4e-3, 13e-3]:
         for record, table in zip(records, (twins[0], other), strict=True):
