@@ -18,7 +18,7 @@ from railcli.model.system import assemble
 from railcli.model.track import Curve, Straight, Track, Transition, pack
 from railcli.model.vehicle import Body, Vehicle
 
-SMALL = TableSettings(y_range=10e-3, roll_range=7.5e-3, yaw_range=30e-3 * 0.2**0.5, yaw_count=3)  # usual steps
+SMALL = TableSettings(normal="hertz", y_range=10e-3, roll_range=7.5e-3, yaw_range=30e-3 * 0.2**0.5, yaw_count=3)
 HEAD = 0.3  # radius of the round rail [m]
 WINDING = Track(  # something of everything
     (
@@ -52,6 +52,8 @@ average_over_m = 20
 output_interval_ms = {interval}
 [contact]
 table = "{table}"
+normal = "hertz"
+creep_law = "table"
 friction = {friction}
 [[track]]
 kind = "straight"
@@ -177,7 +179,7 @@ def round_rail(radius=HEAD):
 
 def round_settings(**values):
     """Settings under which the tape circle stands over the crown of round rails: seat = 0."""
-    settings = TableSettings(inclination=0.0, **values)
+    settings = TableSettings(**{"normal": "hertz", "inclination": 0.0, **values})
     half = np.sqrt(HEAD**2 - (HEAD - 0.014) ** 2)
     return replace(settings, gauge=2.0 * (settings.lateral - half))
 
@@ -202,7 +204,14 @@ def alone(table, vehicle, speed, step, track=None, **contact):
         vehicle=vehicle,
         run=Run(speed=speed, step=step, output_interval=step),
         track=track or Track((Straight(length=500.0),)),
-        contact=Contact(**{"flange_back": table.settings.flange_back, "creep_law": "hard", **contact}),
+        contact=Contact(
+            **{
+                "flange_back": table.settings.flange_back,
+                "normal": table.settings.normal,
+                "creep_law": "hard",
+                **contact,
+            }
+        ),
     )
     return assemble(scenario, [table])
 

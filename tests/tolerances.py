@@ -247,14 +247,6 @@ FREE_COUPLE = 1e-2  # of the longitudinal force of a wheelset in the same place
 # --- Non-Hertzian patches ---
 ELLIPTIC = 1e-12  # arithmetic-geometric mean, quadratic convergence
 STRIP = 1e-8  # of adaptive quadrature with its integrand's roots at both ends
-PATCH_HERTZ = 6e-4  # 10 Gauss points a side through a logarithm: 2e-4; the widest patch bends the head's circle
-PATCH_SHIFT = 2e-5  # [m] the load leans to the side of the greater approach on a 1:20 cone, 16 um at 0.4 mm
-PATCH_FORCE = 0.035  # Kik and Piotrowski against the half space, with 1 % of the grid; measured 0.029
-PATCH_AREA = 0.13  # their areas are small by 5 to 10 %; elements of the grid another 3 %
-PATCH_PLACE = 0.12e-3  # [m] measured 0.09
-PATCH_GRID = 0.01  # of the force: 27 by 37 elements against Hertz's closed form
-PATCH_NODE = 1e-6  # places of the grid, and D at a node; interpolation adds rounding only
-PATCH_BETWEEN = 0.01  # straight lines in sqrt(p) between 25 and 60 um; measured 0.004
 
 # --- Patches of a loaded wheelset ---
 LONE_PATCH = 1e-9  # relative: exact arcs, depth solved to 1e-13 m of 1e-4 m; measured 4e-11
@@ -438,7 +430,7 @@ STRIP_EDGE = 0.03  # of area and greatest pressure: a patch ends with a strip, o
 STRIP_PLACE = 0.05e-3  # [m] where loads of strips of 0.4 mm balance
 
 # --- Certificate of forces ---
-CONE_APPROACH = 5e-4  # kp's logarithm by 10 Gauss points a side; measured 1.5e-4, Hertz's 1e-12
+CONE_APPROACH = 1e-10  # Hertz's law itself; measured 1e-12
 CONE_LOAD_CENTRE = 1e-5  # [m] half ellipses of kp bend with the circle of the head; measured 4e-6
 CONE_LOAD_ANGLE = 2e-5  # [rad] that place over the radius of the head
 FORCE_OF_ENERGY = 3e-4  # differences over 5e-8 m of energies whose influences are in single precision; measured 1e-4

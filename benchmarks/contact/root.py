@@ -24,7 +24,7 @@ DEPTH = 80e-6  # at 6.5 mm beyond first touch [m]
 
 def main(path):
     """Draw the picture."""
-    settings = TableSettings()
+    settings = TableSettings(normal="hertz")
     mounting = mount(load_profile("ORES1002", "wheel"), load_profile("UIC60", "rail"), settings)
     law = Law(mounting, settings.young, settings.poisson)
     points = direct(mounting, settings)

@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from railcli.kernels.kalker import stiffness
-from railcli.kernels.layout import MAX_CONTACT, PATCH_PENETRATIONS, PATCH_ROWS, Axes, Creep, Kind, Node, Press
+from railcli.kernels.layout import MAX_CONTACT, Axes, Creep, Kind, Node
 
 SCALED = (Node.F11, Node.F22, Node.F23, Node.F33)
 POWERS = np.array([2.0, 2.0, 3.0, 4.0]) / 3.0  # of d^1.5 that each grows with
@@ -336,27 +335,10 @@ def look_up(model, table_index, y, roll, yaw, depth):
     value[..., PART] = total
     value[..., Node.GAP] = depth[:, None] - value[..., Node.GAP]
     loaded = usable & (value[..., Node.GAP] > 0.0)
-    for w, b in zip(*np.nonzero(loaded & (table["patch_base"] >= 0)[:, None]), strict=True):
-        value[w, b] = press(model, table[w], value[w, b], np.maximum(corner[w, b], 0), mean_of[w, b])
     found, slot = np.zeros((y.size, MAX_CONTACT, value.shape[2])), np.cumsum(loaded, axis=1) - 1
     wheel, branch = np.nonzero(loaded)
     found[wheel, slot[wheel, branch]] = value[wheel, branch]
     return found, np.arange(MAX_CONTACT) < loaded.sum(axis=1)[:, None]
-
-
-def press(model, table, value, corner, weight):
-    """Channels of one loaded branch with the patch of its penetration; corner, weight : (8,) its nodes."""
-    value = value.copy()
-    rows = table["node_base"] + table["patch_base"] + PATCH_ROWS * corner[:, None] + np.arange(PATCH_ROWS)
-    count = len(PATCH_PENETRATIONS) * len(Press)
-    tabulated = np.tensordot(weight, model.node[rows].reshape(8, -1)[:, :count], 1).reshape(-1, len(Press))
-    place = np.sqrt(value[Node.GAP])
-    pressed = [np.interp(place, np.sqrt(PATCH_PENETRATIONS), column) for column in tabulated.T]
-    for member in Press:
-        value[Node[member.name]] = pressed[member]
-    a, b = pressed[Press.SEMI_X], pressed[Press.SEMI_Y]
-    value[[Node.F11, Node.F22, Node.F23, Node.F33]] = stiffness(a, b, table["shear"], table["poisson"])
-    return value
 
 
 def elastic(sample, loaded, cosine):

@@ -151,7 +151,8 @@ def start_times(code):
 
 def table_build():
     """Cost of the default contact table, compilation and certificate not counted."""
-    wheel, rail, settings = load_profile("ORES1002", "wheel"), load_profile("UIC60", "rail"), TableSettings()
+    wheel, rail = load_profile("ORES1002", "wheel"), load_profile("UIC60", "rail")
+    settings = TableSettings(normal="hertz")
     warm_tables(wheel, rail, settings)
     _, facts = build_table(wheel, rail, settings)
     return {

@@ -87,7 +87,7 @@ class Columns:
         """Minima of D, as `tabulate.solve_orientation` says."""
         found, counts = np.zeros((y.size, PER_CORNER, 6)), np.zeros(y.size, np.int64)
         used, full = solve_orientation(
-            method, 0.0, roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.station, found, counts
+            method, roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.station, found, counts
         )
         self.evaluations, self.crowded = self.evaluations + used, self.crowded + full
         return found, counts

@@ -7,8 +7,7 @@ import numpy as np
 
 from railcli.errors import InputError
 from railcli.kernels.branches import PER_CORNER, cut_knots, fill_slopes, join_cells, link_nodes
-from railcli.kernels.layout import NODE_CHANNELS, PATCH_ROWS, Node
-from railcli.kernels.patch import fill_patches
+from railcli.kernels.layout import NODE_CHANNELS, Node
 from railcli.kernels.tabulate import fill_nodes, solve_orientation
 from railcli.model.contact_table import ContactTable, mount
 from railcli.model.heights import pack
@@ -51,7 +50,7 @@ def check_fit(mounting, settings):
     found = np.zeros((1, PER_CORNER, 6))
     counts = np.zeros(1, np.int64)
     solve_orientation(
-        1, 0.0, 0.0, 0.0, np.zeros(1), *mounting.kernel_arguments, stations(mounting), found, counts
+        1, 0.0, 0.0, np.zeros(1), *mounting.kernel_arguments, stations(mounting), found, counts
     )
     deepest = found[0, : counts[0]][np.argmin(found[0, : counts[0], 1])] if counts[0] else None
     regions = wheel_regions(mounting)
@@ -135,7 +134,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
     y = y_start + settings.y_step * np.arange(ny)
     found, counts = np.zeros((ny, PER_CORNER, 6)), np.zeros(ny, np.int64)
     all_counts = np.zeros(nr * nw * ny, np.int64)
-    nodes, basins, patches = [], [], []
+    nodes, basins = [], []
     evaluations = crowded = 0
     began = time.process_time()
     for ir in range(nr):
@@ -143,7 +142,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         for iw in range(nw):
             yaw = settings.yaw_range * math.sqrt(iw / (nw - 1))
             used, full = solve_orientation(
-                METHODS.index(method), mounting.pressed, roll, yaw, y, *mounting.kernel_arguments, station,
+                METHODS.index(method), roll, yaw, y, *mounting.kernel_arguments, station,
                 found, counts,
             )  # fmt: skip
             evaluations += used
@@ -151,17 +150,11 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
             node = np.empty((int(counts.sum()), NODE_CHANNELS))
             basin = np.empty((node.shape[0], 2))
             fill_nodes(
-                mounting.pressed, roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments,
+                roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments,
                 settings.young, settings.poisson, regions, found, counts, node, basin,
             )
             nodes.append(node)
             basins.append(basin)
-            if settings.patches:
-                patches.append(np.zeros((PATCH_ROWS * node.shape[0], NODE_CHANNELS)))
-                fill_patches(
-                    roll, yaw, y_start, settings.y_step, *mounting.kernel_arguments, settings.young, settings.poisson,
-                    counts, node, patches[-1],
-                )  # fmt: skip
             all_counts[(ir * nw + iw) * ny : (ir * nw + iw + 1) * ny] = counts
         if progress:
             progress(0.95 * (ir + 1) / nr)
@@ -175,7 +168,7 @@ def build_table(wheel, rail, settings, method="simplex", progress=None):
         wheel_digest=wheel.digest(),
         rail_digest=rail.digest(),
         method=method,
-        node=np.concatenate([node, *patches]),
+        node=node,
         cell=cell,
         branch=branch,
     )

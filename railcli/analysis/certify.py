@@ -127,7 +127,7 @@ def certify(table, wheel, rail, poses=POSES, seed=SEED, progress=None, axis=None
     mounting = mount(wheel, rail, table.settings)
     low = mounting.wheel_start
     station = np.arange(low, low + mounting.wheel_step * (mounting.wheel.shape[0] - 1), FINE)
-    record = table.rigid_record[0]
+    record = table.record[0]
     sample = np.zeros((MAX_CONTACT, NODE_CHANNELS))
     errors, regions, where = [], [], []
     apart = missed = invented = overfull = 0

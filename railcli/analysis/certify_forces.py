@@ -7,8 +7,7 @@ import numpy as np
 from railcli.kernels.contact import elastic_share, look_up
 from railcli.kernels.difference import slope_difference, wheel_axes
 from railcli.kernels.heights import stored
-from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, PATCH_ROWS, SAMPLE_ROWS, TABLE, Node, Part, Region
-from railcli.kernels.patch import fill_patches
+from railcli.kernels.layout import MAX_CONTACT, NODE_CHANNELS, SAMPLE_ROWS, TABLE, Node, Part, Region
 from railcli.kernels.tabulate import fill_nodes
 from railcli.model.contact_table import mount
 
@@ -120,14 +119,14 @@ class Strips:
 
 
 class Branches:
-    """The laws at minima of D (`hertz`, `kp`), directly: as `Strips`, by a table whose corners are all this pose."""
+    """The law at minima of D (`hertz`), directly: as `Strips`, by a table whose corners are all this pose."""
 
     def __init__(self, mounting, settings):
         self.mounting, self.settings, self.regions = mounting, settings, wheel_regions(mounting)
         self.record, self.sample = np.zeros(1, TABLE)[0], np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
         for key in ("y", "roll", "yaw2"):
             self.record[f"{key}_count"], self.record[f"{key}_step"] = 2, 1.0
-        self.record["levels"] = self.record["patch_base"] = -1
+        self.record["levels"] = -1
         self.record["shear"], self.record["poisson"] = 0.5 * settings.young / (1.0 + settings.poisson), settings.poisson
 
     def __call__(self, pose, z, minima):
@@ -137,12 +136,7 @@ class Branches:
         geometry = self.mounting.kernel_arguments
         node, basin = np.zeros((n, NODE_CHANNELS)), np.zeros((n, 2))
         material = self.settings.young, self.settings.poisson
-        pressed, regions = self.mounting.pressed, self.regions
-        fill_nodes(pressed, roll, yaw, y, 1.0, *geometry, *material, regions, found, counts, node, basin)
-        if self.settings.patches:
-            patches = np.zeros((PATCH_ROWS * n, NODE_CHANNELS))
-            fill_patches(roll, yaw, y, 1.0, *geometry, *material, counts, node, patches)
-            node, self.record["patch_base"] = np.concatenate([node, patches]), n
+        fill_nodes(roll, yaw, y, 1.0, *geometry, *material, self.regions, found, counts, node, basin)
         self.record["y_start"], self.record["roll_start"] = y, roll
         cell = np.array([0, n], np.int32)
         branch = np.repeat(np.arange(n, dtype=np.int32)[:, None], 8, axis=1)

@@ -32,7 +32,13 @@ GRAVITY = 9.81  # [m/s^2]
 YOUNG = 2.0 * 82e9 * (1.0 + 0.28)  # shear modulus 82 GPa, Poisson's ratio 0.28 [Pa]
 # The grid of a usual table over the poses of the benchmark: up to 15 mm, 11.3 mrad of roll and 24 mrad of yaw.
 SETTINGS = TableSettings(
-    inclination=0.0, young=YOUNG, y_range=16e-3, roll_range=12.5e-3, yaw_range=30e-3 * math.sqrt(0.7), yaw_count=8
+    normal="hertz",
+    inclination=0.0,
+    young=YOUNG,
+    y_range=16e-3,
+    roll_range=12.5e-3,
+    yaw_range=30e-3 * math.sqrt(0.7),
+    yaw_count=8,
 )
 DEEPEST = 1e-3  # within which a wheel bears its load [m]
 HEIGHT_ACCURACY = 1e-14  # [m]

@@ -173,7 +173,7 @@ def linear_table(line, settings, wheel_name="", rail_name=""):
     -------
     ContactTable
     """
-    settings = TableSettings(**{**settings.as_dict(), **GRID, "pressed": 0.0, "normal": "hertz"})
+    settings = TableSettings(**{**settings.as_dict(), **GRID, "normal": "hertz"})
     r0, half = settings.radius, settings.lateral
     path = 1.0 - r0 * line.roll  # du/dy
     deep = line.radius - r0

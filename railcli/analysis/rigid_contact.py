@@ -58,10 +58,10 @@ class Wheelset:
     def mountings(self):
         return self.right, self.left
 
-    def rigid(self):
-        """The same wheelset with rigid contact points, where those of this one are quasi-elastic."""
-        right = replace(self.right, pressed=0.0)
-        return replace(self, right=right, left=right if self.alike else replace(self.left, pressed=0.0))
+    def pressed_in(self, depth):
+        """The same wheelset with quasi-elastic contact points, the wheels pressed in by a depth [m]."""
+        right = replace(self.right, pressed=depth)
+        return replace(self, right=right, left=right if self.alike else replace(self.left, pressed=depth))
 
 
 def wheelset_on(settings, wheel, rail, left_wheel=None, left_rail=None, left_radius=None):
@@ -70,7 +70,7 @@ def wheelset_on(settings, wheel, rail, left_wheel=None, left_rail=None, left_rad
     Parameters
     ----------
     settings : TableSettings
-        Gauge, flange-back, inclination, radius; `pressed` for quasi-elastic contact points.
+        Gauge, flange-back, inclination, radius.
     wheel, rail, left_wheel, left_rail : Profile
         All in the axes of right-hand profiles: y to the field side.
     left_radius : float

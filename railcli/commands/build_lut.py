@@ -38,12 +38,11 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @setting("--yaw-range", "30", "MRAD", "Yaw, to both sides.", 1e3)
 @setting("--yaw-count", "11", "NUMBER", "Values of yaw from 0, in equal steps of its square.", 1, int)
 @setting("--curvature-window", "2", "MM", "Arc length over which profile curvature is averaged.", 1e3)
-@setting("--pressed", "0", "MM", "Quasi-elastic contact points, the wheel pressed in by this much; 0: rigid.", 1e3)
 @click.option(
     "--normal",
-    type=click.Choice(["hertz", "kp", "overlap"]),
-    help="Patches: Hertz's ellipses, non-Hertzian ones by Kik and Piotrowski, or strips under the overlap, whose force "
-    "is the gradient of one energy.  [default: hertz]",
+    type=click.Choice(["overlap", "hertz"]),
+    help="Patches: strips under the overlap, whose force is the gradient of one energy, or Hertz's ellipses at rigid "
+    "contact points.  [default: overlap]",
 )
 @setting("--fineness", "1", "NUMBER", "With --normal overlap, which chooses its own knots: divides their distances.")
 @click.option(
@@ -56,9 +55,9 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @click.option(
     "--accuracy",
     type=click.FloatRange(min=0.001, max=100.0),
-    metavar="MRAD|PERCENT",
-    help="Refine the grid until 99.9 % of the contact angles on the tread are this accurate [mrad]; rolling radius, "
-    "root and flange in proportion. With --normal overlap: until 99.9 % of the normal forces are [%]; load centre in "
+    metavar="PERCENT|MRAD",
+    help="Refine the grid until 99.9 % of the normal forces are this accurate [%]; load centre in proportion. With "
+    "--normal hertz: until 99.9 % of the contact angles on the tread are [mrad]; rolling radius, root and flange in "
     "proportion.",
 )
 @click.option(
@@ -97,16 +96,16 @@ def build_lut(
     """Build a wheel-rail contact table, or check one.
 
     Every contact point of a right-hand wheel is found by minimising the distance of wheel and rail, over a grid of
-    lateral position, roll and yaw. The table is then compared with direct minimisation at random poses, and its forces
-    with those of the same law evaluated there directly. With --normal overlap the table holds the heights at which the
-    wheel stores given energies, and forces are what is compared.
+    lateral position, roll and yaw. The table holds the heights at which the wheel stores given energies there; its
+    forces are compared with those of the same law evaluated directly at random poses. With --normal hertz it holds the
+    contact points, which are compared with direct minimisation besides.
 
     \b
     Examples:
       railcli build-lut
       railcli build-lut --rail 60E1 --inclination 40 -o table.h5 --plot
-      railcli build-lut --accuracy 0.05
-      railcli build-lut --normal overlap -o table.h5
+      railcli build-lut --accuracy 2
+      railcli build-lut --normal hertz -o hertz.h5
       railcli build-lut --check table.h5
     """
     from railcli.files.output import json_text
@@ -146,7 +145,7 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     if settings.stores_heights and (idle := [key for key in OF_A_GRID if key in given]):
         raise InputError(
             f"--{idle[0].replace('_', '-')}",
-            "means nothing to --normal overlap, which chooses its own knots; give --fineness or --accuracy",
+            "means nothing to --normal overlap, which chooses its own knots; give --fineness or --accuracy, or --normal hertz",
         )
     wheel = load_profile(wheel or DEFAULT_WHEEL, "wheel")
     rail = load_profile(rail or DEFAULT_RAIL, "rail")

@@ -53,7 +53,7 @@ def curves(text):
 @click.option("--curve", default="300,500,1000", show_default=True, metavar="M", help="Curve radii for steering.")
 @click.option("--plot", is_flag=True, help="Draw profiles, delta-r, conicity and contact angles into the folder.")
 @results_options
-def conicity(roll, amplitude, curve, plot, output_format, output, overwrite, quiet, **given):
+def conicity(roll, pressed, amplitude, curve, plot, output_format, output, overwrite, quiet, **given):
     """Rolling radius difference and equivalent conicity of a rigid wheelset (EN 15302, UIC 519).
 
     Prints tan gamma_e over amplitude, jumps of delta-r and the steering in curves. With -o or --plot it also writes
@@ -72,20 +72,21 @@ def conicity(roll, amplitude, curve, plot, output_format, output, overwrite, qui
     from railcli.report import wheelset
 
     wanted, radii = amplitudes(amplitude), curves(curve)
-    settings, pair, names = wheelset_of(**given)
+    settings, rigid_pair, names = wheelset_of(**given)
+    pair = rigid_pair.pressed_in(pressed) if pressed else rigid_pair
     reach = wanted[-1] * 1e-3 + (0.0 if pair.alike else UNEVEN_MM * 1e-3)
     with Progress("Contact", 100, "%", quiet) as progress:
         contact = rolling(pair, reach, roll, lambda share: progress.update(round(100 * share)))
-    rigid = rolling(pair.rigid(), reach, roll) if settings.pressed else None
+    rigid = rolling(rigid_pair, reach, roll) if pressed else None
     motions = conicity(contact, [value * 1e-3 for value in wanted])
     rows = steering(contact, radii)
     title = wheelset.title(names, settings, pair, roll)
-    keys = ("inclination", "gauge", "flange_back", "tape_to_back", "radius", "pressed")
-    shown = {key: getattr(settings, key) for key in keys}
+    keys = ("inclination", "gauge", "flange_back", "tape_to_back", "radius")
+    shown = {key: getattr(settings, key) for key in keys} | {"pressed": pressed or 0.0}
     record = report.as_json(shown, names, roll, contact, motions, rows)
     lines = report.summary(title, contact, motions, rows)
     if rigid is not None:
-        title += f", pressed in by {settings.pressed * 1e3:g} mm"
+        title += f", pressed in by {pressed * 1e3:g} mm"
         lines = [title, *lines[1:], *report.pressed_lines(contact, rigid)]
         record["rigid"] = report.pressed_facts(contact, rigid)
     if output or plot:

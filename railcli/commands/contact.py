@@ -43,7 +43,6 @@ def within(value, low, high, option, unit):
 @setting("--young", "210", "GPA", "Young's modulus of wheel and rail.", 1e-9)
 @setting("--poisson", "0.28", "NUMBER", "Poisson's ratio of wheel and rail.")
 @setting("--curvature-window", "2", "MM", "Arc length over which profile curvature is averaged.", 1e3)
-@setting("--pressed", "0", "MM", "Quasi-elastic contact points, the wheel pressed in by this much; 0: rigid.", 1e3)
 @click.option(
     "--normal", type=click.Choice(["hertz", "overlap"]), default="hertz", show_default=True,
     help="Law of the patches: ellipses at contact points, or strips under the overlap.",
@@ -94,7 +93,6 @@ def contact(roll, yaw, at, load, normal, picture, output_format, output, overwri
     loading = overview.loading_text(load, settings, roll, normal)
     shown = (
         "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "curvature_window",
-        "pressed",
     )  # fmt: skip
     record = overview.as_json(
         names, {key: getattr(settings, key) for key in shown},

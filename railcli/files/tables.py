@@ -18,7 +18,7 @@ from railcli.analysis.certify import shortcomings as of_geometry
 from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
-from railcli.kernels.layout import HEIGHTS, NODE_CHANNELS, PATCH_PENETRATIONS, PATCH_ROWS, Node, Part, Press
+from railcli.kernels.layout import HEIGHTS, NODE_CHANNELS, Node, Part
 from railcli.model.contact_table import VERSION, ContactTable, TableSettings, check_tape, table_key
 from railcli.model.heights import LEAST, knots_of, places
 from railcli.model.system import needed, table_settings
@@ -35,8 +35,7 @@ POSES_UNASKED = 2000  # of the certificate of a table that a command builds beca
 SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
 ARRAYS = {
-    "node": "contact points at grid poses, one row each; columns: attribute 'channels'. With normal 'kp' behind them "
-    "their patches, two rows each: at the penetrations of attribute 'penetrations_m' the values of attribute 'patch'",
+    "node": "contact points at grid poses, one row each; columns: attribute 'channels'",
     "cell": "first branch of each cell; cells ordered roll, yaw^2, y (fastest)",
     "branch": "rows of node at the corners of a cell (bit 0: y, 1: roll, 2: yaw^2); -1: the branch ends before it",
     "heights": "of normal 'overlap' alone: rows of w = U^0.4 [J^0.4], weights of slopes, parts of the wheel [m], "
@@ -63,12 +62,11 @@ OPTIONS = {  # option of `railcli build-lut` for each setting: its name, unit, a
     "young": ("--young", "GPa", 1e-9),
     "poisson": ("--poisson", "", 1.0),
     "curvature_window": ("--curvature-window", "mm", 1e3),
-    "pressed": ("--pressed", "mm", 1e3),
     "normal": ("--normal", "", None),
     "fineness": ("--fineness", "", 1.0),
 }
 OF_A_SCENARIO = (
-    "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "pressed", "normal"
+    "inclination", "gauge", "flange_back", "tape_to_back", "radius", "young", "poisson", "normal"
 )  # fmt: skip
 
 
@@ -156,9 +154,6 @@ def save(table, path, certificate=None):
             file[name].attrs["description"] = description
         file["node"].attrs["channels"] = ", ".join(channel.name.lower() for channel in Node)
         file["node"].attrs["units"] = UNITS
-        if table.settings.patches:
-            file["node"].attrs["penetrations_m"] = PATCH_PENETRATIONS
-            file["node"].attrs["patch"] = ", ".join(channel.name.lower() for channel in Press)
         if table.settings.stores_heights:
             file["heights"].attrs["knots"] = table.counts
             file["heights"].attrs["part"] = ", ".join(channel.name.lower() for channel in Part)
@@ -265,8 +260,6 @@ def _inconsistency(table):
         return f"cell does not count the {branch.shape[0]} branches"
     if branch.size == 0 or branch.min() < -1 or branch.max() >= table.points:
         return f"branch points outside the {table.points} nodes"
-    if s.patches and node.shape[0] != table.points * (1 + PATCH_ROWS):
-        return f"{node.shape[0]} rows of node are no nodes with their patches"
     if not (np.isfinite(node).all() and np.isfinite(table.heights).all()):
         return "a node is not a finite number"
     if s.stores_heights and not all((np.diff(knots) > 0.0).all() for knots in knots_of(table.heights, table.counts)):
@@ -280,11 +273,12 @@ def check_expected(table, path, expect):
         found, wanted = getattr(table.settings, key), getattr(expect.settings, key)
         option, unit, factor = OPTIONS[key]
         if found != wanted and (factor is None or not math.isclose(found, wanted, rel_tol=SAME)):
+            law = f'; give contact.normal = "{found}" to run with it as it is' if key == "normal" else ""
             raise InputError(
                 path,
                 f"was built for {option[2:]} {in_units(key, found)} {unit}".rstrip()
                 + f", needed: {in_units(key, wanted)} {unit}".rstrip()
-                + f"; build it again: {expect.rebuild(path)}",
+                + f"; build it again: {expect.rebuild(path)}{law}",
             )
     for kind in ("wheel", "rail"):
         profile = getattr(expect, kind)

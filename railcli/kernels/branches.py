@@ -152,8 +152,7 @@ def fill_slopes(node, link, y_step, roll_step, yaw2_step):
 
     Central between two neighbours; at the end of a branch or of the table that of the parabola through the next two, or
     the difference to the only one. No slope is more than twice a difference beside it of its sign (van Leer 1977),
-    so that a fast motion of the contact between two poses does not swing past them. LATERAL_Y holds the slope of D over
-    the place before, not zero for quasi-elastic contact points; with their motion it completes the slopes of D.
+    so that a fast motion of the contact between two poses does not swing past them.
     """
     count = node.shape[0]
     back = np.full((count, 3), -1, np.int32)
@@ -163,7 +162,6 @@ def fill_slopes(node, link, y_step, roll_step, yaw2_step):
                 back[link[a, d], d] = a
     step = (y_step, roll_step, yaw2_step)
     for a in range(count):
-        steep = node[a, Node.LATERAL_Y.value]
         for d in range(3):
             after, before = link[a, d], back[a, d]
             for k in range(2):
@@ -180,7 +178,6 @@ def fill_slopes(node, link, y_step, roll_step, yaw2_step):
                     if back[before, d] >= 0:
                         change = limited(change, node[before, value] - node[back[before, d], value], 1.5)
                 node[a, Node.SLOPE_Y.value + 3 * d + k] = change / step[d]
-            node[a, Node.GAP_Y.value + 3 * d] += steep * node[a, Node.LATERAL_Y.value + 3 * d]
 
 
 @kernel

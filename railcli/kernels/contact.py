@@ -12,17 +12,12 @@ from .jit import kernel
 from .kalker import stiffness
 from .layout import (
     MAX_CONTACT,
-    NODE_CHANNELS,
-    PATCH_PENETRATIONS,
-    PATCH_ROWS,
-    PRESS_CHANNELS,
     Node,
     Part,
-    Press,
     Status,
 )
 from .patch_force import place_patch, power_1_5, push
-from .rows import mix, mix_bent
+from .rows import mix_bent
 from .shift import IDEAL, rail_axes, shift_rail, turned
 from .trig import arc_sine
 from .vec3 import add, cross, dot, scale, sub
@@ -51,12 +46,6 @@ F23 = Node.F23.value
 F33 = Node.F33.value
 REGION = Node.REGION.value
 WHEEL_SLOPE = Node.WHEEL_SLOPE.value
-PRESS_HERTZ = Press.HERTZ.value
-PRESS_SEMI_X = Press.SEMI_X.value
-PRESS_SEMI_Y = Press.SEMI_Y.value
-PRESS_LATERAL = Press.LATERAL.value
-PRESS_SLOPE = Press.SLOPE.value
-PRESS_RADIUS = Press.RADIUS.value
 SHARE = Part.SHARE.value
 SHARED_SLOPE = Part.SLOPE.value
 SHARED_LATERAL = Part.LATERAL.value
@@ -151,20 +140,14 @@ def look_up(table, node, cell, branch, y, roll, yaw, depth, sample):
         out = min(count, MAX_CONTACT - 1)
         if whole:
             mix_bent(node, n, full, full_y, full_r, full_w, sample, out)
-            if penetrated(sample, out, depth, 1.0):
-                if table["patch_base"] >= 0:
-                    press(table, node, n, full, sample, out)
-                count += 1
+            count += penetrated(sample, out, depth, 1.0)
             continue
         w, part = present(branch, b, full)
         if part < 1e-9:
             continue
         wy, wr, ww = times(w, uy, mean(w, uy), hy), times(w, ur, mean(w, ur), hr), times(w, uw, mean(w, uw), hw)
         mix_bent(node, n, w, wy, wr, ww, sample, out)
-        if penetrated(sample, out, depth, part):
-            if table["patch_base"] >= 0:
-                press(table, node, n, w, sample, out)
-            count += 1
+        count += penetrated(sample, out, depth, part)
     return count
 
 
@@ -192,50 +175,6 @@ def penetrated(sample, out, depth, part):
     sample[out, LATERAL] += moved
     sample[out, GAP], sample[out, PART] = p, part
     return True
-
-
-@kernel
-def pressed_value(sample, k, channel, t):
-    """A channel of the mixed patch rows between penetrations k and k + 1."""
-    low, high = k * PRESS_CHANNELS + channel, (k + 1) * PRESS_CHANNELS + channel
-    below = sample[MAX_CONTACT + low // NODE_CHANNELS, low % NODE_CHANNELS]
-    above = sample[MAX_CONTACT + high // NODE_CHANNELS, high % NODE_CHANNELS]
-    return below + t * (above - below)
-
-
-@kernel
-def press(table, node, n, w, sample, out):
-    """Replace Hertz's ellipse at the rigid contact point by the patch at its penetration (theory.md section 6.5).
-
-    Linear in sqrt(p) between PATCH_PENETRATIONS, whose last and first hold beyond them.
-    n, w : nodes of the corners and their weights.
-    """
-    base = table["node_base"]
-    at = base + table["patch_base"]
-    first = (
-        at + PATCH_ROWS * (n[0] - base), at + PATCH_ROWS * (n[1] - base), at + PATCH_ROWS * (n[2] - base),
-        at + PATCH_ROWS * (n[3] - base), at + PATCH_ROWS * (n[4] - base), at + PATCH_ROWS * (n[5] - base),
-        at + PATCH_ROWS * (n[6] - base), at + PATCH_ROWS * (n[7] - base),
-    )  # fmt: skip
-    second = (
-        first[0] + 1, first[1] + 1, first[2] + 1, first[3] + 1,
-        first[4] + 1, first[5] + 1, first[6] + 1, first[7] + 1,
-    )  # fmt: skip
-    mix(node, first, w, sample, MAX_CONTACT)
-    mix(node, second, w, sample, MAX_CONTACT + 1)
-    p, k = sample[out, GAP], 0
-    while k < len(PATCH_PENETRATIONS) - 2 and p > PATCH_PENETRATIONS[k + 1]:
-        k += 1
-    low, high = sqrt(PATCH_PENETRATIONS[k]), sqrt(PATCH_PENETRATIONS[k + 1])
-    t = min(max((sqrt(p) - low) / (high - low), 0.0), 1.0)
-    a, b = pressed_value(sample, k, PRESS_SEMI_X, t), pressed_value(sample, k, PRESS_SEMI_Y, t)
-    f11, f22, f23, f33 = stiffness(a, b, table["shear"], table["poisson"])
-    sample[out, HERTZ] = pressed_value(sample, k, PRESS_HERTZ, t)
-    sample[out, SEMI_X], sample[out, SEMI_Y] = a, b
-    sample[out, F11], sample[out, F22], sample[out, F23], sample[out, F33] = f11, f22, f23, f33
-    sample[out, LATERAL] = pressed_value(sample, k, PRESS_LATERAL, t)
-    sample[out, SLOPE] = pressed_value(sample, k, PRESS_SLOPE, t)
-    sample[out, RADIUS] = pressed_value(sample, k, PRESS_RADIUS, t)
 
 
 @kernel

@@ -14,13 +14,9 @@ from numba import types
 from .jit import constant, mutable
 from .table_layout import HEIGHTS as HEIGHTS
 from .table_layout import NODE_CHANNELS as NODE_CHANNELS
-from .table_layout import PATCH_PENETRATIONS as PATCH_PENETRATIONS
-from .table_layout import PATCH_ROWS as PATCH_ROWS
-from .table_layout import PRESS_CHANNELS as PRESS_CHANNELS
 from .table_layout import TABLE as TABLE
 from .table_layout import Node as Node
 from .table_layout import Part as Part
-from .table_layout import Press as Press
 from .table_layout import Region as Region
 
 MAX_CONTACT = 6  # contact patches kept per wheel: four branches, and more where they end within a cell

@@ -61,24 +61,17 @@ def _are_rows(*arrays):
 
 
 @intrinsic
-def mix(typingctx, node, n, w, sample, row):
-    """sample[row] = sum of w[c] node[n[c]]; rows of NODE_CHANNELS numbers, n and row not negative.
+def mix_bent(typingctx, node, n, w, y, roll, yaw2, sample, row):
+    """sample[row] = sum of w[c] node[n[c]], slopes with weights of their own; rows of NODE_CHANNELS numbers.
 
     Parameters
     ----------
     node, sample : C-contiguous arrays (..., NODE_CHANNELS)
     n, w : tuples of integers and of as many floats, at least two
-    row : int
-    """
-    return (types.void(node, n, w, sample, row), _mixer(VALUE)) if _are_rows(node, sample) else None
-
-
-@intrinsic
-def mix_bent(typingctx, node, n, w, y, roll, yaw2, sample, row):
-    """As `mix`, but slopes are summed with weights of their own.
-
+        Neither n nor row is negative.
     y, roll, yaw2 : tuples of as many floats
         Weights of the slopes over y, roll and yaw^2.
+    row : int
     """
     if not _are_rows(node, sample):
         return None

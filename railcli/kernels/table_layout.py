@@ -1,13 +1,11 @@
-"""Schema of contact tables: one documented line per field, SI units (theory.md sections 4, 6.5 and 6.8)."""
+"""Schema of contact tables: one documented line per field, SI units (theory.md sections 4 and 6.8)."""
 
 from enum import IntEnum
 
 import numpy as np
 
 NODE_CHANNELS = 24
-PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
 HEIGHTS = 8  # energies at which a table of heights is kept; numbers in each of its rows
-PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 
 TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll, squared yaw
     [
@@ -22,7 +20,6 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("cell_base", "i8"),  # where its cells begin in Model.cell
         ("branch_base", "i8"),  # where its branches begin in Model.branch
         ("node_base", "i8"),  # where its nodes begin in Model.node
-        ("patch_base", "i8"),  # where the patches of its nodes begin, counted from there; -1: Hertz's ellipses
         ("levels", "i8"),  # where its heights begin in Model.heights, -1: it has none; then what belongs to its axes
         ("y_bins", "i8"),
         ("roll_bins", "i8"),
@@ -69,20 +66,6 @@ class Node(IntEnum):
     F23 = 21  # f23 / d^1.5 [N/m^0.5]
     F33 = 22  # f33 / d^2 [N]
     REGION = 23  # part of the wheel profile, Region
-
-
-class Press(IntEnum):
-    """What the patch rows of a node hold for each penetration, in this order (theory.md section 6.5)."""
-
-    HERTZ = 0  # N / d^1.5, d the penetration times the cosine of the contact angle below [N/m^1.5]
-    SEMI_X = 1  # a / d^0.5 [m^0.5]
-    SEMI_Y = 2  # b / d^0.5 [m^0.5]
-    LATERAL = 3  # profile coordinate of the resultant [m]
-    SLOPE = 4  # tangent of its contact angle [-]
-    RADIUS = 5  # distance of its place from the axle [m]
-
-
-PRESS_CHANNELS = len(Press)
 
 
 class Part(IntEnum):

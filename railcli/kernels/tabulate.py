@@ -7,7 +7,6 @@ import numpy as np
 from .branches import PER_CORNER
 from .difference import (
     BARRIER_CAP,
-    PROBE,
     height,
     locus,
     mean_curvature,
@@ -21,14 +20,12 @@ from .jit import builder, kernel
 from .kalker import stiffness
 from .layout import Node, Region
 
-ROLL_PROBE = 2e-6  # difference steps of orientation [rad], [rad^2]
-YAW2_PROBE = 1e-8
 MIN_CURVATURE = 0.2  # smallest relative lateral curvature; conformal contacts are held there [1/m]
 
 
 @builder
 def solve_orientation(
-    method, pressed, roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
+    method, roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, station, found, counts
 ):
     """Minima for every lateral position y (n_y,) [m] of one orientation.
 
@@ -42,7 +39,7 @@ def solve_orientation(
     evaluations, crowded = 0, 0
     for i in range(counts.size):
         total, used = minima(
-            method, pressed, y[i], e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
+            method, 0.0, y[i], e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh, station,
             scan_y, scan_z, lowest, found[i],
         )
         evaluations += used
@@ -107,37 +104,8 @@ def describe(s, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, pois
 
 
 @kernel
-def lean_slopes(s, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, row):
-    """Slopes of D on the locus at s over roll and yaw^2, for a contact point at which D is not stationary.
-
-    Its slope over s itself is left in LATERAL_Y, until `branches.fill_slopes` knows how the contact point moves.
-    """
-    square = yaw * yaw
-    low = max(square - YAW2_PROBE, 0.0)
-    row[Node.GAP_ROLL] = 0.5 / ROLL_PROBE * (
-        gap_on_locus(s, y, roll + ROLL_PROBE, yaw, r0, seat, wheel, w0, wh, rail, g0, gh)
-        - gap_on_locus(s, y, roll - ROLL_PROBE, yaw, r0, seat, wheel, w0, wh, rail, g0, gh)
-    )
-    row[Node.GAP_YAW2] = (
-        gap_on_locus(s, y, roll, sqrt(square + YAW2_PROBE), r0, seat, wheel, w0, wh, rail, g0, gh)
-        - gap_on_locus(s, y, roll, sqrt(low), r0, seat, wheel, w0, wh, rail, g0, gh)
-    ) / (square + YAW2_PROBE - low)
-    row[Node.LATERAL_Y] = 0.5 / PROBE * (
-        gap_on_locus(s + PROBE, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh)
-        - gap_on_locus(s - PROBE, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh)
-    )
-
-
-@kernel
-def gap_on_locus(s, y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh):
-    """D on the contact locus at s [m]."""
-    e, f, d = wheel_axes(roll, yaw)
-    return slope_difference(s, y, e, f, d, r0, seat, wheel, w0, wh, rail, g0, gh)[1]
-
-
-@kernel
 def fill_nodes(
-    pressed, roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions,
+    roll, yaw, y_start, y_step, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions,
     found, counts, node, basin,
 ):
     """Nodes of one orientation in the order of `found`; slopes of contact angle and place are left out.
@@ -151,9 +119,6 @@ def fill_nodes(
             row = node[n]
             y = y_start + i * y_step
             describe(m[0], y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, young, poisson, regions, row)
-            row[Node.LATERAL_Y] = 0.0
-            if pressed > 0.0:
-                lean_slopes(m[0], y, roll, yaw, r0, seat, wheel, w0, wh, rail, g0, gh, row)
             row[Node.RADIUS] -= 0.5 * row[Node.WHEEL_SLOPE] * row[Node.LATERAL]
             row[Node.BARRIER_GAUGE] = min(m[2], BARRIER_CAP)
             row[Node.BARRIER_FIELD] = min(m[3], BARRIER_CAP)

@@ -8,19 +8,18 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import HEIGHTS, NO_HEIGHTS, PATCH_ROWS, TABLE
+from railcli.kernels.layout import HEIGHTS, NO_HEIGHTS, TABLE
 
 from .heights import places
 from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .submodels import NORMAL_LAWS, choose
 
-VERSION = 2  # of the table's meaning; a table of another version is refused
+VERSION = 3  # of the table's meaning; a table of another version is refused
 
 OF_HEIGHTS = (
     *(f"{axis}_{kind}" for axis in ("y", "roll", "yaw2") for kind in ("bins", "knots", "basis")),
     "coefficients", "parts",
 )  # fmt: skip
-UNTOLD = (("fineness", 1.0),)  # settings with the value of tables from before there was a choice keep their keys
 SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
@@ -36,7 +35,6 @@ LIMITS = {
     "young": (1e9, 1e12, "Pa"),
     "poisson": (0.0, 0.5, "-"),
     "curvature_window": (0.0, 0.02, "m"),
-    "pressed": (0.0, 1e-3, "m"),
     "fineness": (0.25, 8.0, "-"),
 }
 
@@ -66,9 +64,6 @@ class TableSettings:
         Of wheel and rail [Pa], [-].
     curvature_window : float
         Arc length over which the profile curvatures of Hertz's ellipse are averaged [m].
-    pressed : float
-        0: contact points of rigid profiles. Else quasi-elastic: the places of greatest approach when the wheel is
-        pressed in by this much beyond first touch, which turns jumps between conforming arcs into fast motions [m].
     normal : str
         Patches: a name of `submodels.NORMAL_LAWS`.
     fineness : float
@@ -90,8 +85,7 @@ class TableSettings:
     young: float = 210e9
     poisson: float = 0.28
     curvature_window: float = 2.0e-3
-    pressed: float = 0.0
-    normal: str = "hertz"
+    normal: str = "overlap"
     fineness: float = 1.0
 
     def __post_init__(self):
@@ -105,15 +99,8 @@ class TableSettings:
                 f"1:n needs n of 5 ... 1000, or 0 for a rail as in its profile; got {self.inclination:g}",
             )
         choose(NORMAL_LAWS, "contact table: normal", self.normal)
-        if self.pressed and (self.patches or self.stores_heights):
-            raise InputError("contact table: pressed", f"must be 0 with normal {self.normal}, which presses by itself")
         if self.fineness != 1.0 and not self.stores_heights:
             raise InputError("contact table: fineness", f"must be 1 with normal {self.normal}, whose grid is given")
-
-    @property
-    def patches(self):
-        """True when the table holds patches by virtual penetration."""
-        return NORMAL_LAWS[self.normal].value == "patches"
 
     @property
     def stores_heights(self):
@@ -161,7 +148,8 @@ class Mounting:
     radius : float
         Of the tape circle [m].
     pressed : float
-        As TableSettings says [m].
+        0: contact points of rigid profiles. Else quasi-elastic: the places of greatest approach when the wheel is
+        pressed in by this much beyond first touch [m].
     """
 
     wheel: np.ndarray
@@ -172,7 +160,7 @@ class Mounting:
     rail_step: float
     seat: float
     radius: float
-    pressed: float
+    pressed: float = 0.0
 
     @property
     def kernel_arguments(self):
@@ -220,7 +208,6 @@ def mount(wheel, rail, settings):
         rail_step=rail_step,
         seat=settings.lateral - 0.5 * settings.gauge + y_gauge,
         radius=settings.radius,
-        pressed=settings.pressed,
     )
 
 
@@ -236,8 +223,7 @@ class ContactTable:
     method : str
         "simplex" or "locus".
     node : array (n_row, NODE_CHANNELS)
-        Contact points at grid poses, channels as `kernels.layout.Node`; with `settings.patches` behind them PATCH_ROWS
-        rows for each, as `kernels.layout.Press`. None with `settings.stores_heights`.
+        Contact points at grid poses, channels as `kernels.layout.Node`; none with `settings.stores_heights`.
     cell : int32 array (n_cell + 1,)
         First branch of each cell, cells ordered roll, yaw^2, y (fastest).
     branch : int32 array (n_branch, 8)
@@ -273,7 +259,7 @@ class ContactTable:
         """Number of contact points."""
         if self.settings.stores_heights:
             return (self.heights.shape[0] - places(self.counts)[-1]) // HEIGHTS
-        return self.node.shape[0] // (1 + PATCH_ROWS) if self.settings.patches else self.node.shape[0]
+        return self.node.shape[0]
 
     @property
     def record(self):
@@ -283,20 +269,12 @@ class ContactTable:
         record["roll_start"], record["roll_step"] = -s.roll_step * (s.roll_count // 2), s.roll_step
         record["yaw2_step"] = s.yaw_range**2 / (s.yaw_count - 1)
         record["y_count"], record["roll_count"], record["yaw2_count"] = self.counts
-        record["patch_base"] = self.points if s.patches else -1
         record["levels"] = -1
         record["shear"], record["poisson"] = 0.5 * s.young / (1.0 + s.poisson), s.poisson
         if s.stores_heights:
             record["levels"] = 0
             for key, row in zip(OF_HEIGHTS, places(self.counts), strict=True):
                 record[key] = row
-        return record
-
-    @property
-    def rigid_record(self):
-        """The TABLE record with rigid contact points and Hertz's ellipses, patches or not."""
-        record = self.record
-        record["patch_base"] = -1
         return record
 
     @property
@@ -311,6 +289,5 @@ class ContactTable:
 
 def table_key(settings, wheel_digest, rail_digest, method):
     """Digest of settings, profiles, method and version: two tables with one key are the same table."""
-    told = {key: value for key, value in settings.as_dict().items() if (key, value) not in UNTOLD}
-    text = json.dumps([VERSION, told, wheel_digest, rail_digest, method], sort_keys=True)
+    text = json.dumps([VERSION, settings.as_dict(), wheel_digest, rail_digest, method], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -141,7 +141,7 @@ class Contact(Description):
         TAPE_TO_BACK, alias="tape_to_back_m"
     )
     friction: Annotated[NotNegative, Field(le=1.0)] = 0.30
-    creep_law: one_of(CREEP_LAWS) = "table"
+    creep_law: one_of(CREEP_LAWS) = "fastrip"
     friction_ratio: Annotated[Positive, Field(le=1.0)] = 1.0  # at infinite over that at zero slip velocity
     friction_decay: Annotated[NotNegative, Field(le=1000.0)] = Field(0.0, alias="friction_decay_s_per_m")
     adhesion_reduction: Annotated[Positive, Field(le=1.0)] = 1.0  # k_A, k_S of Polach's law
@@ -152,8 +152,7 @@ class Contact(Description):
     young: Positive = Field(210e9, alias="young_Pa")
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.28
     damping: Annotated[NotNegative, Field(le=100.0)] = Field(2.0, alias="damping_s_per_m")
-    pressed: Annotated[NotNegative, Field(le=1e-3)] = Field(0.0, alias="pressed_m")
-    normal: one_of(NORMAL_LAWS) = "hertz"
+    normal: one_of(NORMAL_LAWS) = "overlap"
 
     @model_validator(mode="after")
     def _fits_together(self):

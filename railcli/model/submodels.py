@@ -57,11 +57,6 @@ NORMAL_LAWS = {  # value: what the contact table holds beside rigid contact poin
     "hertz": Choice(
         "", "Hertz's ellipse from the curvatures at the rigid contact point", "Hertz (1882); Johnson (1985)"
     ),
-    "kp": Choice(
-        "patches",
-        "virtual penetration: patch, place and stiffness follow the profiles over the whole patch",
-        "Kik and Piotrowski (2008), Vehicle System Dynamics 46, 27-48; corrected to be Hertz's for constant curvature",
-    ),
     "overlap": Choice(
         "heights",
         "strips of the rail under the wheel's overlap: the gradient of one elastic energy, so that contact makes none",

@@ -135,7 +135,6 @@ def table_settings(scenario, radius):
         radius=radius,
         young=contact.young,
         poisson=contact.poisson,
-        pressed=contact.pressed,
         normal=contact.normal,
         y_range=min(default.y_range + wider * default.y_step, LIMITS["y_range"][1]),
     )

@@ -21,6 +21,8 @@ speed_m_per_s = 30
 average_over_m = 50
 [contact]
 table = "{table}"
+normal = "hertz"
+creep_law = "table"
 [[track]]
 kind = "straight"
 length_m = 60
@@ -46,6 +48,7 @@ average_over_m = 20
 output_interval_ms = {interval}
 [contact]
 table = "{table}"
+normal = "hertz"
 friction = 0.5
 creep_law = "table"
 [[track]]

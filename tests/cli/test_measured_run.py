@@ -24,6 +24,8 @@ speed_m_per_s = 30
 wheel_profile = "wheel.csv"
 rail_profile = "rail.csv"
 table = "table.h5"
+normal = "hertz"
+creep_law = "table"
 [[track]]
 kind = "measured"
 file = "alignment.csv"

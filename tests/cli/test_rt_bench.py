@@ -17,6 +17,8 @@ SCENARIO = """
 speed_m_per_s = {speed}
 [contact]
 table = "{table}"
+normal = "hertz"
+creep_law = "table"
 [[track]]
 kind = "straight"
 length_m = 10

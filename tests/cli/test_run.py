@@ -28,6 +28,8 @@ speed_m_per_s = {speed}
 {run}
 [contact]
 table = "{table}"
+normal = "hertz"
+creep_law = "table"
 [[track]]
 kind = "straight"
 length_m = 10

@@ -16,6 +16,7 @@ speed_m_per_s = 30
 [contact]
 creep_law = "hard"
 table = "{table}"
+normal = "hertz"
 [[track]]
 kind = "straight"
 length_m = 100

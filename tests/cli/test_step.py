@@ -25,6 +25,8 @@ distance_m = 40
 {run}
 [contact]
 table = "{table}"
+normal = "hertz"
+creep_law = "table"
 [[track]]
 kind = "straight"
 length_m = 100

@@ -58,14 +58,14 @@ def test_height_on_the_wheel_is_that_of_the_profile_less_what_yaw_lifts(outcome)
 
 
 def test_what_hertz_cannot_reach(outcome):
-    """At y = 0 the full patch has its centre 1.4 mm from the rigid contact; virtual penetration comes nearer."""
-    off = {normal: deviations(outcome.states[normal, "hard"], REFERENCE) for normal in ("hertz", "kp")}
-    hertz, kp = (abs(off[normal]["on_rail"][0, 0]) for normal in ("hertz", "kp"))
-    assert 1.3e-3 < hertz < 1.5e-3 and kp < hertz
+    """At y = 0 the full patch has its centre 1.4 mm from the rigid contact; strips come nearer."""
+    off = {normal: deviations(outcome.states[normal, "hard"], REFERENCE) for normal in ("hertz", "overlap")}
+    hertz, strips = (abs(off[normal]["on_rail"][0, 0]) for normal in ("hertz", "overlap"))
+    assert 1.3e-3 < hertz < 1.5e-3 and strips < hertz
     sliding = REFERENCE.y > 0.9e-3
     sliding[REFERENCE.at(5e-3)] = False
     for key in ("on_rail", "on_wheel"):
-        assert np.abs(off["kp"][key][sliding]).max() < np.abs(off["hertz"][key][sliding]).max()
+        assert np.abs(off["overlap"][key][sliding]).max() < np.abs(off["hertz"][key][sliding]).max()
 
 
 def test_one_factor_on_the_linear_force_keeps_its_direction(outcome):

@@ -9,7 +9,7 @@ from railcli.kernels.branches import fill_slopes
 from railcli.kernels.layout import NODE_CHANNELS, Node
 from railcli.model.contact_table import TableSettings
 
-REACH = TableSettings(y_range=7e-3, yaw_range=30e-3 * 0.3**0.5, yaw_count=4)  # usual steps, all rolls
+REACH = TableSettings(normal="hertz", y_range=7e-3, yaw_range=30e-3 * 0.3**0.5, yaw_count=4)  # usual steps, all rolls
 AROUND = (5.9e-3, 6.6e-3)  # where S1002 on UIC60 passes from tread to flange [m]
 
 

@@ -27,7 +27,7 @@ def solved(mounting, method, roll, yaw):
     """Minima of a row of lateral positions: (y, k, 6), infinite beyond their counts; which of them bear load."""
     found, counts = np.zeros((LATERAL.size, 4, 6)), np.zeros(LATERAL.size, np.int64)
     solve_orientation(
-        METHODS.index(method), 0.0, roll, yaw, LATERAL,
+        METHODS.index(method), roll, yaw, LATERAL,
         *mounting.kernel_arguments, stations(mounting), found, counts,
     )  # fmt: skip
     found[np.arange(4) >= counts[:, None]] = np.inf

@@ -37,7 +37,7 @@ def test_describing_functions(function, mean, slope, amplitude):
 
 def test_packed_lines_give_the_path_back():
     """On the path on which both wheels touch, the table shows conicity, contact angle, roll and place that went in."""
-    settings = TableSettings(inclination=40.0)
+    settings = TableSettings(normal="hertz", inclination=40.0)
     table = linear_table(LINE, settings)
     record = table.record[0]
     sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
@@ -61,7 +61,7 @@ def test_packed_lines_give_the_path_back():
 
 def test_slopes_in_the_table_are_those_of_its_distance():
     """dD/dy, dD/droll of a node's channels against differences of D between nodes."""
-    settings = TableSettings(inclination=40.0)
+    settings = TableSettings(normal="hertz", inclination=40.0)
     table = linear_table(LINE, settings)
     record = table.record[0]
     node = table.node.reshape(record["roll_count"], record["yaw2_count"], record["y_count"], NODE_CHANNELS)

@@ -205,7 +205,6 @@ gauge_mm = 1435
 friction = 0.3
 creep_law = "hard"
 young_GPa = 210
-pressed_mm = 0
 [start]
 lateral_mm = 1
 [[track]]
@@ -274,7 +273,9 @@ def test_changed_scenarios_and_vehicles(tmp_path, run, vehicle):
 
 @pytest.fixture(scope="module")
 def table_bytes(profiles, tmp_path_factory):
-    tiny = TableSettings(y_range=4e-3, y_step=1e-3, roll_range=5e-3, roll_step=5e-3, yaw_range=5e-3, yaw_count=2)
+    tiny = TableSettings(
+        normal="hertz", y_range=4e-3, y_step=1e-3, roll_range=5e-3, roll_step=5e-3, yaw_range=5e-3, yaw_count=2
+    )  # fmt: skip
     path = tmp_path_factory.mktemp("tiny") / "table.h5"
     tables.save(build_table(*profiles, tiny)[0], path)
     return path.read_bytes()

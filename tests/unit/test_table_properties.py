@@ -69,7 +69,7 @@ def worn(draw):
         load_profile("ORES1002", "wheel"), draw(st.floats(-5e-3, 15e-3)), draw(st.floats(0.0, 1.5e-3)), 15e-3
     )
     rail = hollow(load_profile("UIC60", "rail"), draw(st.floats(-15e-3, 5e-3)), draw(st.floats(0.0, 1e-3)), 12e-3)
-    return wheel, rail, TableSettings(gauge=draw(st.floats(1.430, 1.440)), **{**GRID, "y_range": 8e-3})
+    return wheel, rail, TableSettings(normal="hertz", gauge=draw(st.floats(1.430, 1.440)), **{**GRID, "y_range": 8e-3})
 
 
 PAIRS = st.one_of(cones(), circles(), splines(), worn())
@@ -133,7 +133,7 @@ def test_no_basin_is_missed(pair, pose):
     mounting = mount(wheel, rail, grid)
     station = stations(mounting)
     found, counts = np.zeros((1, PER_CORNER, 6)), np.zeros(1, np.int64)
-    solve_orientation(0, 0.0, pose[1], abs(pose[2]), pose[:1], *mounting.kernel_arguments, station, found, counts)
+    solve_orientation(0, pose[1], abs(pose[2]), pose[:1], *mounting.kernel_arguments, station, found, counts)
     place = np.arange(station[0], station[-1], 20e-6)
     expected = basins(place, surface(mounting, pose, place))
     expected = expected[(expected[:, 1] < expected[:, 1].min() + 0.1e-3) & (expected[:, 2] > tol.SCAN_BARRIER)]

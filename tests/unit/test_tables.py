@@ -22,7 +22,7 @@ from railcli.model.contact_table import TableSettings, mount
 from railcli.model.system import assemble
 
 ROOT = Path(__file__).parents[2]
-COARSE = TableSettings(y_step=0.5e-3, roll_step=5e-3, yaw_count=3)
+COARSE = TableSettings(normal="hertz", y_step=0.5e-3, roll_step=5e-3, yaw_count=3)
 CERTIFICATE = {"poses": 100, "gap_um": {"p99": 1.5}}
 
 
@@ -151,9 +151,9 @@ def test_a_table_for_another_profile_is_refused(file, profiles):
 
 
 def test_the_grid_of_a_named_table_is_free(coarse, profiles):
-    check_expected(coarse, "t.h5", expected(profiles, TableSettings(), matters=tables.OF_A_SCENARIO))
+    check_expected(coarse, "t.h5", expected(profiles, TableSettings(normal="hertz"), matters=tables.OF_A_SCENARIO))
     with pytest.raises(InputError, match="y-step"):
-        check_expected(coarse, "t.h5", expected(profiles, TableSettings()))
+        check_expected(coarse, "t.h5", expected(profiles, TableSettings(normal="hertz")))
 
 
 def test_every_setting_has_its_option():
@@ -244,7 +244,7 @@ def test_a_table_in_the_cache_that_other_kernels_built_is_replaced(profiles, cac
 def test_two_processes_that_build_at_once_do_not_disturb_each_other(coarse, profiles, tmp_path):
     code = (
         "from railcli.files.tables import *; from railcli.model.contact_table import TableSettings; "
-        "table_for(TableSettings(y_step=0.5e-3, roll_step=5e-3, yaw_count=3), "
+        "table_for(TableSettings(normal='hertz', y_step=0.5e-3, roll_step=5e-3, yaw_count=3), "
         "load_profile('ORES1002', 'wheel'), load_profile('UIC60', 'rail'), quiet=True)"
     )
     places = {"PYTHONPATH": str(ROOT), "RAILCLI_CACHE_DIR": str(tmp_path)}
