@@ -145,7 +145,8 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     if settings.stores_heights and (idle := [key for key in OF_A_GRID if key in given]):
         raise InputError(
             f"--{idle[0].replace('_', '-')}",
-            "means nothing to --normal overlap, which chooses its own knots; give --fineness or --accuracy, or --normal hertz",
+            "means nothing to --normal overlap, which chooses its own knots; give --fineness or --accuracy, or "
+            "--normal hertz",
         )
     wheel = load_profile(wheel or DEFAULT_WHEEL, "wheel")
     rail = load_profile(rail or DEFAULT_RAIL, "rail")

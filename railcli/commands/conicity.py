@@ -11,6 +11,7 @@ from .wheelset import wheelset_of, wheelset_options
 LIMITS_MM = (0.1, 20.0)
 MOST = 500  # amplitudes
 PLOT_STEP_MM = 0.05
+DEEPEST = 1e-3  # a wheel is pressed in [m]
 UNEVEN_MM = 3.0  # how far beyond the largest amplitude a wheelset with unlike sides is looked at
 
 
@@ -72,6 +73,8 @@ def conicity(roll, pressed, amplitude, curve, plot, output_format, output, overw
     from railcli.report import wheelset
 
     wanted, radii = amplitudes(amplitude), curves(curve)
+    if pressed is not None and not 0.0 <= pressed <= DEEPEST:
+        raise click.BadParameter(f"must lie in 0 ... {DEEPEST * 1e3:g} mm", param_hint="'--pressed'")
     settings, rigid_pair, names = wheelset_of(**given)
     pair = rigid_pair.pressed_in(pressed) if pressed else rigid_pair
     reach = wanted[-1] * 1e-3 + (0.0 if pair.alike else UNEVEN_MM * 1e-3)

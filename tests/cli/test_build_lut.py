@@ -16,7 +16,8 @@ from railcli.cli import main
 from railcli.files import tables
 
 ROOT = Path(__file__).parents[2]
-COARSE = ["--y-step", "0.5", "--roll-step", "5", "--yaw-count", "3", "--poses", "100", "-q"]
+GRID = ["--normal", "hertz", "--y-step", "0.5", "--roll-step", "5", "--yaw-count", "3"]
+COARSE = [*GRID, "--poses", "100", "-q"]
 
 
 def build(*arguments):
@@ -51,7 +52,7 @@ def test_errors_are_told_by_part_of_the_profile(coarse):
     assert all(int(words[1].replace(",", "")) > 0 and words.count("/") in (4, 10) for words in parts)
 
 
-SMALL = ["--y-range", "5", "--roll-range", "5", "--yaw-range", "10", *COARSE[:6], "--poses", "300", "-q"]
+SMALL = ["--y-range", "5", "--roll-range", "5", "--yaw-range", "10", *GRID, "--poses", "300", "-q"]
 
 
 def test_accuracy_refines_until_it_is_met(tmp_path):
@@ -161,7 +162,7 @@ def test_existing_file_is_spared(coarse, tmp_path):
 def test_ctrl_c_leaves_nothing(tmp_path):
     """Ctrl-C in a build: exit 130, no file under the name and none beside it."""
     code = "from railcli.cli import main; main()"
-    arguments = ["build-lut", "-o", "t.h5", "--y-step", "0.01", "--roll-step", "0.5"]
+    arguments = ["build-lut", "-o", "t.h5", "--normal", "hertz", "--y-step", "0.01", "--roll-step", "0.5"]
     with subprocess.Popen(
         [sys.executable, "-c", code, *arguments],
         cwd=tmp_path,
@@ -186,7 +187,7 @@ def test_table_that_falls_short_says_so(tmp_path):
     assert "--smooth 4" in result.stderr and "--accuracy" in result.stderr
 
 
-HEIGHTS = ["--normal", "overlap", "--y-range", "3", "--roll-range", "2", "--yaw-range", "5", "--poses", "100", "-q"]
+HEIGHTS = ["--y-range", "3", "--roll-range", "2", "--yaw-range", "5", "--poses", "100", "-q"]
 
 
 @pytest.fixture(scope="module")
@@ -234,7 +235,7 @@ def test_accuracy_of_forces(tmp_path):
     record = json.loads(result.stdout)
     assert record["accuracy_percent"] == 10.0 and record["refinement"][-1]["error_over_allowed"] <= 1.0
     assert record["certificate"]["forces"]["normal_percent"]["p99"] <= 5.0
-    text = build("--normal", "overlap", *HEIGHTS[2:], "--accuracy", "10", "-o", tmp_path / "t.h5", "--overwrite").stdout
+    text = build(*HEIGHTS, "--accuracy", "10", "-o", tmp_path / "t.h5", "--overwrite").stdout
     assert "Accuracy 10 %" in text and "fineness" in text
     result = build(*HEIGHTS, "--accuracy", "0.01", "--largest", "0.3", "-o", tmp_path / "none.h5")
     assert result.exit_code == 4 and not (tmp_path / "none.h5").exists()
@@ -253,10 +254,10 @@ def test_fineness_is_kept_and_told(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--normal", "overlap", "--y-step", "0.1"], ["--y-step", "--fineness"]),
-        (["--normal", "overlap", "--curvature-window", "1"], ["--curvature-window", "--fineness"]),
-        (["--fineness", "2"], ["fineness", "hertz"]),
-        (["--normal", "overlap", "--fineness", "100"], ["fineness", "0.25 ... 8"]),
+        (["--y-step", "0.1"], ["--y-step", "--fineness"]),
+        (["--curvature-window", "1"], ["--curvature-window", "--fineness"]),
+        (["--normal", "hertz", "--fineness", "2"], ["fineness", "hertz"]),
+        (["--fineness", "100"], ["fineness", "0.25 ... 8"]),
     ],
 )
 def test_grids_that_a_law_does_not_take(arguments, words):

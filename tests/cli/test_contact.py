@@ -62,7 +62,7 @@ def test_overwrite(tmp_path):
     assert run(*QUICK, "-o", folder).exit_code == 0
     refused = run(*QUICK, "-o", folder)
     assert refused.exit_code == 2 and "--overwrite" in refused.stderr
-    assert run(*QUICK, "--pressed", "0.06", "-o", folder, "--overwrite").exit_code == 0
+    assert run(*QUICK, "--curvature-window", "1.5", "-o", folder, "--overwrite").exit_code == 0
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,6 @@ def test_overwrite(tmp_path):
         (["--picture", "gif"], "--picture"),
         (["--young", "0"], "young"),
         (["--poisson", "nan"], "poisson"),
-        (["--pressed", "-1"], "pressed"),
         (["--wheel", "UIC60"], "UIC60"),
         (["--rail", "nowhere.csv"], "nowhere.csv"),
         (["--gauge", "1420"], "no wheelset fits"),

@@ -415,7 +415,7 @@ def test_documented_defaults_of_scenarios():
                     told = told * unit.times / unit.over if unit else told
                     assert told == pytest.approx(field.default, rel=tol.ROUNDING), key
                     checked += 1
-    assert checked == 18
+    assert checked == 17
 
 
 def test_documented_example_loads(load_text):
