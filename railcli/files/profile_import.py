@@ -17,15 +17,18 @@ from .formats import read_points
 from .output import write_json, write_text
 from .profiles import (
     BUNDLED,
+    LARGEST_FILE_MB,
     LEAN,
     STANDS,
     check_angle,
     check_curve,
     checked_tape,
     load_profile,
+    profile_text,
     stated_inclination,
     stated_tape,
 )  # fmt: skip
+from .user_file import read_bytes
 
 ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
@@ -150,7 +153,7 @@ def convert(measured, settings):
     profile = replace(profile, inclined=STANDS[stands.choice] if stands else None, tape_to_back=tape)
     account = {
         "file": str(path),
-        "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "sha256": hashlib.sha256(read_bytes(path, "a profile file", LARGEST_FILE_MB)).hexdigest(),
         "format": measured.source,
         "kind": kind.choice,
         "points_read": int(measured.y.size),
@@ -355,11 +358,7 @@ def _tape(path, kind, settings):
         return None
     if settings.tape_to_back is not None:
         return checked_tape(settings.tape_to_back, "--tape-to-back")
-    return stated_tape(_text(path), path) or TAPE_TO_BACK
-
-
-def _text(path):
-    return path.read_text(encoding="utf-8-sig", errors="replace")
+    return stated_tape(profile_text(path), path) or TAPE_TO_BACK
 
 
 def _stands(path, kind, settings):
@@ -370,7 +369,7 @@ def _stands(path, kind, settings):
         return None
     if settings.inclination:
         return Decision("inclination", settings.inclination, "given")
-    found = stated_inclination(_text(path), path)
+    found = stated_inclination(profile_text(path), path)
     return Decision("inclination", found, "as the file says") if found else None
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from railcli.errors import InputError
 
-from ..profiles import plain_text, unreadable
+from ..profiles import profile_text
 from . import columns, miniprof, simpack
 from .measured import Measured
 
@@ -42,14 +42,7 @@ def read_points(path):
         In one line: file and line, what was found, what is needed.
     """
     path = Path(path)
-    try:
-        if path.is_dir():
-            raise InputError(path, "this is a folder; give a profile file")
-        if not path.exists():
-            raise InputError(path, "there is no such file")
-    except OSError as error:
-        raise unreadable(path, error) from error
-    text = plain_text(path)
+    text = profile_text(path)
     reader, kind = ENDINGS.get(path.suffix.lower()) or (_recognise(text, path), None)
     return reader(path, text, kind)
 
