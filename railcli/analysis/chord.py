@@ -41,7 +41,7 @@ def restored(versine, step, before, after):
     Returns
     -------
     array (n,)
-        [m]; about a chord's length at both ends it follows from what the record is continued by, its mirror image.
+        [m]; within some 15 chords of its ends it follows from the mirror image too by which the record is continued.
     """
     count = min(versine.size - 1, int(np.ceil(PADDED * (before + after) / step)))
     head, tail = 2.0 * versine[0] - versine[count:0:-1], 2.0 * versine[-1] - versine[-2 : -count - 2 : -1]

@@ -12,7 +12,7 @@ import numpy as np
 STRAIGHT = 1e-4  # curvature below which outer and inner rail mean nothing [1/m]
 TOLERANCE = 2e-5  # of curvature: between straight track and a radius of 50 km [1/m]
 SHARE = 0.02  # likewise, of the largest curvature
-ROUGH = 2.5  # likewise, of the scatter about a mean over LONG that is left after averaging
+ROUGH = 3.5  # likewise, of the scatter about a mean over LONG that is left after averaging
 EXACT = 2e-6  # scatter below which a recording is not averaged [1/m]
 SMOOTHED, LONG = 20.0, 100.0  # [m]
 DENSE = 4  # positions in that length, from which a recording is averaged
@@ -44,7 +44,7 @@ def parts(section, start=0.0):
     curvature = np.array(section.curvature)
     smooth, scatter = _averaged(at, curvature)
     tolerance = max(TOLERANCE, SHARE * float(np.abs(smooth).max()), ROUGH * scatter)
-    corners = _corners(at, smooth, tolerance)
+    corners = _with_reversals(_corners(at, smooth, tolerance), smooth, tolerance)
     level = np.abs(np.diff(smooth[corners])) <= 2.0 * tolerance
     rise = np.diff(smooth[corners])
     _drop_short(level, rise, np.diff(at[corners]))
@@ -102,11 +102,10 @@ def _without_stubs(found, at):
 
 
 def _sliding(values, width):
-    """Mean over `width` values around each; at the ends, of as many to both sides as there are."""
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    index = np.arange(values.size)
-    reach = np.minimum(width // 2, np.minimum(index, values.size - 1 - index))
-    return (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
+    """Mean over `width` values around each, the ends continued by their mirror images."""
+    half = width // 2
+    total = np.concatenate([[0.0], np.cumsum(np.pad(values, half, mode="reflect"))])
+    return (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
 
 
 def _corners(at, values, tolerance):
@@ -125,6 +124,16 @@ def _corners(at, values, tolerance):
             kept.add(middle)
             open_ += [(first, middle), (middle, last)]
     return np.array(sorted(kept))
+
+
+def _with_reversals(corners, values, tolerance):
+    """The corners, and the places in between where a piece that is not level changes its sign."""
+    more = []
+    for first, last in zip(corners[:-1], corners[1:], strict=True):
+        one, two = values[first], values[last]
+        if one * two < 0.0 and abs(two - one) > 2.0 * tolerance and last - first > 1:
+            more.append(first + 1 + int(np.argmin(np.abs(values[first + 1 : last]))))
+    return np.array(sorted({*corners.tolist(), *more}))
 
 
 def _drop_short(level, rise, length):

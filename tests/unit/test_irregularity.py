@@ -220,7 +220,7 @@ def swap(lines):
         (lines_changed(lambda lines: lines.insert(10, lines[10])), "line 12: position 2 m repeats the one before"),
         (lines_changed(swap), "line 12: position 2 m falls below"),
         (lines_changed(lambda lines: lines.__delitem__(slice(40, 80))), "line 41: a gap from 9.25 to 19.5 m"),
-        (lines_changed(lambda lines: lines.__setitem__(20, "4.5,nan,0")), "line 21: vertical_mm is 'nan', not measured: 1 of"),
+        (lines_changed(lambda lines: lines.__setitem__(20, "4.5,nan,0")), "line 21: vertical_mm is 'nan', not"),
         (lines_changed(lambda lines: lines.__setitem__(20, "4.5,x,0")), "line 21: vertical_mm: 'x' is not a number"),
         (lines_changed(lambda lines: lines.__setitem__(20, "4.5,1")), "line 21: 2 values, but 3 columns"),
         (samples(columns="vertical_m,cross_level_mm"), "m; at most 0.1 m can be meant: check the unit"),
