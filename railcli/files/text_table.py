@@ -29,6 +29,7 @@ MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "#n/a", "#n
 INFINITE = {"inf": math.inf, "+inf": math.inf, "-inf": -math.inf, "infinity": math.inf, "\u221e": math.inf}
 PLAIN = set("0123456789+-.eE \t")  # of cells that are numbers beyond doubt
 MOST_COLUMNS = 1000
+MOST_LINES = 2_000_000
 CHUNK = 20_000  # rows that are split at once
 SAMPLED = 200  # of them, from which the written decimals are seen
 SHOWN = 60  # characters of a name or cell in a message
@@ -241,6 +242,15 @@ def read(path, meaning, what, most_mb, most_rows, absent="no such file"):
         values[key] *= name.factor
         decimals[key] *= name.factor
     return Table(path, chosen, values, numbers, split, decimals, decisions, texts, wanted)
+
+
+def header_of(path, what, most_mb):
+    """The Names of a file's columns; errors as `read`."""
+    text, _ = plain_text(path, what, most_mb, MOST_LINES, advice=f"give {what} as text")
+    lines = content(text)
+    if not lines:
+        raise InputError(path, "is empty; a line of names and one line for each position are needed")
+    return _header(path, lines)[0]
 
 
 def _header(path, lines):
