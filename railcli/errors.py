@@ -25,6 +25,12 @@ class InputError(RailcliError):
     def __init__(self, where, message):
         super().__init__(_one_line(f"{where}: {message}"))
 
+    def and_so(self, more):
+        """The same error with more words at its end."""
+        other = InputError("", "")
+        other.args = (_one_line(f"{self}{more}"),)
+        return other
+
 
 def _one_line(text):
     """The text with line ends and control characters, which names in users' files may hold, written as escapes.

@@ -13,6 +13,7 @@ import difflib
 import math
 import os
 import re
+import shlex
 import sys
 from pathlib import Path
 
@@ -56,10 +57,12 @@ _INCLINATION = re.compile(r"[#!%]\s*inclination\s*:\s*(.*?)\s*", re.IGNORECASE)
 def load_profile(name_or_path, kind):
     """The profile of a bundled name (upper or lower case) or of a file, checked.
 
+    A file of a measuring device or of another program is imported with default decisions, and that is said on stderr.
+
     Parameters
     ----------
     name_or_path : str or path
-        `UIC60`, `60E1`, `ORES1002`, or a file as the module describes.
+        `UIC60`, `60E1`, `ORES1002`, a file as the module describes, or one that `formats` reads.
     kind : "rail" or "wheel"
 
     Raises
@@ -70,10 +73,33 @@ def load_profile(name_or_path, kind):
     given = os.fspath(name_or_path)
     name = {bundled.lower(): bundled for bundled in BUNDLED}.get(given.lower())
     if name is None:
-        return _read(Path(given), Path(given).stem, kind)
+        return _of_file(Path(given), kind)
     if BUNDLED[name][0] != kind:
         raise InputError(name, f"this is a {BUNDLED[name][0]} profile, but a {kind} is needed: give {_choices(kind)}")
     return _read(resource(BUNDLED[name][1]), name, kind)
+
+
+def canonical(path, kind):
+    """The profile of a file in the canonical form; errors as `load_profile`."""
+    return _read(Path(path), Path(path).stem, kind)
+
+
+def _of_file(path, kind):
+    """The profile of a file, imported where it is of a known format that is not the canonical one."""
+    from . import profile_import  # only now: it builds on this module
+
+    text = _text(path, kind)
+    if profile_import.is_foreign(path, text):
+        imported = profile_import.import_profile(path, profile_import.ImportSettings(kind=kind))
+        print(profile_import.told(imported.account), file=sys.stderr)
+        return imported.profile
+    try:
+        return canonical(path, kind)
+    except InputError as error:
+        if profile_import.can_import(path, kind):
+            command = f"railcli profile import {shlex.quote(str(path))}"
+            raise error.and_so(f"; or convert it: `{command}`") from None
+        raise
 
 
 def profile_of(scenario, place, kind):
