@@ -15,6 +15,7 @@ SHARE = 0.02  # likewise, of the largest curvature
 ROUGH = 3.5  # likewise, of the scatter about a mean over LONG that is left after averaging
 EXACT = 2e-6  # scatter below which a recording is not averaged [1/m]
 SMOOTHED, LONG = 20.0, 100.0  # [m]
+FINEST = 1e-3  # step that a recording may have [m]
 DENSE = 4  # positions in that length, from which a recording is averaged
 SHORTEST = 20.0  # of a level piece between two transitions that go on alike, and of a first or last part [m]
 LEVEL_CANT = 0.010  # by which cant may vary where a motion counts as steady [m]
@@ -75,7 +76,8 @@ def _goes_on(before, kind, mean, tolerance):
 
 def _averaged(at, curvature):
     """Curvature averaged where it lies densely and is rough, and the scatter that is left in it [1/m]."""
-    width, long = (int(length / np.median(np.diff(at))) for length in (SMOOTHED, LONG))
+    step = max(float(np.median(np.diff(at))), FINEST)
+    width, long = int(SMOOTHED / step), int(LONG / step)
     if width < DENSE or curvature.size < 2 * long:
         return curvature, 0.0
     once = _sliding(curvature, width)
