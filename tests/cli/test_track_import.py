@@ -1,6 +1,7 @@
 """From a recording car's files to a run: scenarios take them as they are, and `track import` tells what it sees."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import tolerances as tol
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
 
+from railcli.analysis.parts import parts
+from railcli.analysis.steady_values import final_stretch
 from railcli.cli import main
 from railcli.errors import InputError
 from railcli.files import tables
@@ -37,6 +40,7 @@ file = "coach.csv"
 {more}
 """
 S = 0.25 * np.arange(1000)
+EXAMPLE = Path(__file__).parents[2] / "examples/recording/coach.toml"
 
 
 def waves(seed):
@@ -85,6 +89,19 @@ def test_files_are_brought_together_by_their_positions(folder):
         assert_allclose(value[rail, 0], 1e-3 * COLUMNS[f"alignment_{side} [mm]"][at], atol=tol.FOUR_DECIMALS)
         assert_allclose(value[rail, 1], 1e-3 * COLUMNS[f"level_{side} [mm]"][at], atol=tol.FOUR_DECIMALS)
     assert case.track.origin == START and case.irregularity[0].offset is None
+
+
+def test_example_of_the_tutorial():
+    """The files as they are: five sections, steady values at the end, rails where the recording has them."""
+    case = load(EXAMPLE)
+    assert [part.kind for part in parts(case.track.sections[0])] == [
+        "straight", "transition", "curve", "transition", "straight",
+    ]  # fmt: skip
+    assert final_stretch(case).kind == "straight" and final_stretch(case).gradient == pytest.approx(0.002)
+    (line,) = [line for line in (EXAMPLE.parent / "coach.csv").read_text().splitlines() if line.startswith("12.90000;")]
+    left, right, left_aside, right_aside = (float(cell) * 1e-3 for cell in line.split(";")[1:])
+    moved = sum(moved(np.array([500.0]))[0] for _, moved in rails.irregularities(case))[:, :, 0]
+    assert_allclose(moved, [[right_aside, right], [left_aside, left]], atol=tol.ROUNDING)  # the car counts down
 
 
 def test_another_origin_is_said(folder):
