@@ -1,5 +1,7 @@
 """What railcli raises for its users; each class carries the exit code of the command that ends with it."""
 
+LONGEST = 800  # characters of a message
+
 
 class RailcliError(Exception):
     """Anything railcli reports in one line instead of a traceback."""
@@ -23,9 +25,21 @@ class InputError(RailcliError):
     def __init__(self, where, message):
         super().__init__(_one_line(f"{where}: {message}"))
 
+    def and_so(self, more):
+        """The same error with more words at its end."""
+        other = InputError("", "")
+        other.args = (_one_line(f"{self}{more}"),)
+        return other
+
 
 def _one_line(text):
-    """The text with line ends and control characters, which names in users' files may hold, written as escapes."""
+    """The text with line ends and control characters, which names in users' files may hold, written as escapes.
+
+    Of a text that is far too long the middle is left out: what is wrong stands at its ends.
+    """
+    if len(text) > LONGEST:
+        half = LONGEST // 2
+        text = f"{text[:half]} [...] {text[-half:]}"
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 

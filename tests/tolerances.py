@@ -444,3 +444,11 @@ INFLUENCE_SLOPE = 1e-3  # and what follows from its slope within 6.4e-4
 SINGLE = 1e-6  # numbers in single precision, some operations
 HERTZ_STRIPS = 5e-3  # eight strips over a half width, of at most a quarter of their half length
 ENERGY_START = 1e-5  # iterations end when they add 1e-8, which falls slowly in what the energy hardly feels
+
+# --- Recorded tracks ---
+THREE_DECIMALS = 0.501e-6  # [m] of mm
+FOUR_DECIMALS = 1e-7  # [m] of mm, and a spline through them
+CANT_BY_PLACE = 2e-6  # [m] a spline over the kinks of a cant ramp of 1.7 mm/m, sampled every 0.25 m
+FITTED_STEP = 1e-4  # rounding to four steps, on the mean of 400
+RESTORED = 2e-4  # [m] of waves of 8 mm in all; the record's ends are 20 chords away
+FOUND_END = 12.0  # [m] half of the 20 m over which curvature is averaged

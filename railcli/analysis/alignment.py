@@ -7,6 +7,8 @@ import numpy as np
 
 from railcli.kernels.layout import PATH_ORDER
 
+from .parts import parts
+
 POINTS = 201  # per section at which it is judged, at least; measured tables at every position too
 FINEST = 0.5  # [m]
 SMALL_RADIUS = 320.0  # below it the standard limits cant by the radius [m]
@@ -131,14 +133,14 @@ def _span(values):
 
 @dataclass(frozen=True)
 class Judged:
-    """One section of track.
+    """One section of track; of a measured table one of the straights, curves and transitions found in it.
 
     Attributes
     ----------
     number : int
         Counted from 1.
     kind : str
-        ``straight``, ``curve``, ``measured``, or the shape of a transition.
+        ``straight``, ``curve``, ``transition`` of a measured table, or the shape of a described one.
     start, end : float
         [m]
     curvature, cant, gradient, widening : Span
@@ -182,12 +184,9 @@ def judge(track, pieces, limits, cant_base, gauge, gravity=9.81, speed=None):
     """
     half = 0.5 * limits.base
     result = []
-    for number, (start, section) in enumerate(track.located(), start=1):
-        end = start + section.length
-        s = np.linspace(start, end, max(POINTS, int(section.length / FINEST)))
-        if section.kind == "measured":
-            s = np.union1d(s, np.array(section.position) - section.position[0] + start)
-        s = np.clip(s, start + INSIDE, end - INSIDE)
+    for number, (start, end, kind, places) in enumerate(_sections(track), start=1):
+        s = np.linspace(start, end, max(POINTS, int((end - start) / FINEST)))
+        s = np.clip(np.union1d(s, places) if len(places) else s, start + INSIDE, end - INSIDE)
         from_, to = np.maximum(s - half, start), np.minimum(s + half, end)
         here, behind, ahead = (course(pieces, at) for at in (s, from_, to))
         twist = np.abs(ahead.cant - behind.cant) / (to - from_)
@@ -205,13 +204,13 @@ def judge(track, pieces, limits, cant_base, gauge, gravity=9.81, speed=None):
             }
         values = {key: float(courses[key].max()) for key in LIMITS if key in courses}
         findings = [one for key in values if (one := _finding(number, key, s, courses[key], limits, here))]
-        if section.kind == "transition":  # what is largest at its ends belongs to its neighbours
+        if kind not in ("straight", "curve"):  # what is largest at its ends belongs to its neighbours
             findings = [one for one in findings if one.key not in AT_A_PLACE or start + FINEST < one.s < end - FINEST]
         wide = np.diff(track.shifts(s, gauge), axis=0)[0]
         result.append(
             Judged(
                 number,
-                section.shape if section.kind == "transition" else section.kind,
+                kind,
                 start,
                 end,
                 *(_span(values) for values in (here.curvature, here.cant, here.gradient, wide)),
@@ -220,6 +219,18 @@ def judge(track, pieces, limits, cant_base, gauge, gravity=9.81, speed=None):
             )
         )
     return result
+
+
+def _sections(track):
+    """Start, end and kind of what is judged by itself, and places that must be looked at: (start, end, kind, s)."""
+    for start, section in track.located():
+        if section.kind != "measured":
+            kind = section.shape if section.kind == "transition" else section.kind
+            yield start, start + section.length, kind, ()
+            continue
+        at = np.array(section.position) - section.position[0] + start
+        for part in parts(section, start):
+            yield part.start, part.end, part.kind, at[(at >= part.start) & (at <= part.end)]
 
 
 def _finding(number, key, s, values, limits, here):

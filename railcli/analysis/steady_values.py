@@ -12,7 +12,10 @@ from railcli.errors import SimulationError
 from railcli.model.track import gradient_course
 
 from .equilibrium import steady
+from .parts import LEVEL_CANT, parts
 from .vibration import Vibration
+
+UNEVEN = 2e-3  # by which a measured gradient may vary where a motion counts as steady [rad]
 
 
 @dataclass(frozen=True)
@@ -48,23 +51,44 @@ class Stretch:
 
 
 def final_stretch(scenario):
-    """The Stretch in which the whole averaging window lies; None when the track or the speed changes there."""
+    """The Stretch in which the whole averaging window lies; None when the track or the speed changes there.
+
+    In a measured alignment it lies in one of its straights or curves, and has the means over the window.
+    """
     if scenario.final_speed is None:
         return None
     begin, end = scenario.distance - scenario.average_over, scenario.distance
-    curvatures = set()
+    curvatures, uneven = set(), 0.0
     for start, section in scenario.track.located():
         if start < end and start + section.length > begin:
+            if section.kind == "measured":
+                curvatures.add(_measured_end(section, start, max(begin, start), min(end, start + section.length)))
+                uneven = UNEVEN if section.gradient is not None else uneven
+                continue
             constant = section.kind in ("straight", "curve")
             curvatures.add((section.curvature, section.signed_cant) if constant else None)
     s, angle = gradient_course(scenario.track, scenario.gradients)
     angles = np.interp([begin, *s[(s > begin) & (s < end)], end], s, angle)
-    if len(curvatures) != 1 or None in curvatures or np.ptp(angles) > 0.0:
+    if len(curvatures) != 1 or None in curvatures or np.ptp(angles) > uneven:
         return None
     curvature, cant = curvatures.pop()
     kind = "straight" if curvature == 0.0 else "right-hand curve" if curvature > 0.0 else "left-hand curve"
     aside = scenario.track.shifts([0.5 * (begin + end)], scenario.contact.gauge)[:, 0]
-    return Stretch(kind, curvature, cant, float(np.tan(angles[0])), tuple(aside.tolist()))
+    return Stretch(kind, curvature, cant, float(np.tan(angles.mean())), tuple(aside.tolist()))
+
+
+def _measured_end(section, start, begin, end):
+    """Mean curvature and cant between two places in one straight or curve of a measured section; else None."""
+    inside = [part for part in parts(section, start) if part.start < end and part.end > begin]
+    if len(inside) != 1 or inside[0].kind == "transition":
+        return None
+    at = np.array(section.position) - section.position[0] + start
+    s = np.array([begin, *at[(at > begin) & (at < end)], end])
+    cant = np.interp(s, at, section.column("cant"))
+    if np.ptp(cant) > LEVEL_CANT:
+        return None
+    means = [np.trapezoid(np.interp(s, at, section.column(name)), s) / (end - begin) for name in ("curvature", "cant")]
+    return (0.0 if inside[0].kind == "straight" else float(means[0])), float(means[1])
 
 
 def weight_along(scenario, stretch):

@@ -71,7 +71,7 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @click.option("--check", type=click.Path(path_type=Path), metavar="FILE", help="Build nothing; verify this table.")
 @click.option(
     "--poses",
-    type=click.IntRange(min=0),
+    type=click.IntRange(0, 10_000_000),
     default=20_000,
     show_default=True,
     help="Random poses at which look-up is compared with direct minimisation, and its forces with the law evaluated "

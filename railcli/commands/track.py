@@ -1,14 +1,15 @@
-"""`railcli track`: alignment and irregularity, drawn and judged before a run."""
+"""`railcli track`: alignment and irregularity, imported, drawn and judged before a run."""
 
 import click
 
 from .options import format_option, output_option, overwrite_option
+from .track_import import import_
 from .track_irregularity import irregularity
 
 
-@click.group(short_help="Draw and judge a track: alignment, irregularity.")
+@click.group(short_help="Import, draw and judge a track.")
 def track():
-    """Draw and judge a track before a run: its alignment, its irregularity."""
+    """Import, draw and judge a track before a run: its alignment, its irregularity."""
 
 
 @track.command("show", short_help="Draw an alignment and judge it by EN 13803.")
@@ -54,4 +55,5 @@ def show(source, speed, output, overwrite, output_format):
         click.echo("\n".join([*report.report(case.title, case, judged, speed), f"Figure: {output}"]))
 
 
+track.add_command(import_)
 track.add_command(irregularity)

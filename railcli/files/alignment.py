@@ -6,13 +6,13 @@ holds.
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
 from railcli.errors import InputError
 from railcli.model.profile import TAPE_TO_BACK
 
+from .decision import WARNING, Decision
 from .profiles import FLANGE_MM, TAPE_MM, TIP_MM, WIDTH_MM
 
 UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4}  # in mm
@@ -25,14 +25,6 @@ TIP_ASSUMED_MM = 15.0  # of S1002 and most others, from the flange back
 LEAN_MM = 0.3  # a head that lies lower on its field side by this: perhaps mirrored
 LEAN_AT = 0.3  # of the width, to both sides of the middle
 INSIDE = np.linspace(0.01, 0.99, 981)  # of the width, so that faces at its ends do not enter
-
-
-class Decision(NamedTuple):
-    """What was decided, how, and why."""
-
-    subject: str
-    choice: str
-    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +202,7 @@ def _leaning(y, z):
     if field_side - gauge < LEAN_MM:
         return None
     return Decision(
-        "warning",
+        WARNING,
         "mirrored?",
         f"the head lies {field_side - gauge:.2g} mm lower on its field side than on its gauge side; inclination and "
         "side wear do the opposite: check --mirror-y",

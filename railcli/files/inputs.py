@@ -102,13 +102,13 @@ def _put(group, key, values, unit):
 
 def _profile(group, kind):
     inclined = group.attrs.get("inclined")
-    nodes = (group[key][()] for key in ("y", "z", "angle"))
+    nodes = (seal.whole(group[key]) for key in ("y", "z", "angle"))
     return Profile(str(group.attrs["name"]), kind, *nodes, None if inclined is None else bool(inclined))
 
 
 def _samples(group):
-    channels = {key: group[key][()] for key in group if key != "position"}
-    return Samples(group["position"][()], channels)
+    channels = {key: seal.whole(group[key]) for key in group if key != "position"}
+    return Samples(seal.whole(group["position"]), channels)
 
 
 def _bundled(profiles):

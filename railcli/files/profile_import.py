@@ -12,20 +12,25 @@ from railcli.model.curation import Curation
 from railcli.model.profile import TAPE_TO_BACK, Profile
 from railcli.model.smoothing import change, resample, smooth
 
-from .alignment import Decision, align, find_kind
-from .formats import read_points
+from .alignment import align, find_kind
+from .decision import WARNING, Decision
+from .formats import ENDINGS, read_points, recognised
 from .output import write_json, write_text
 from .profiles import (
     BUNDLED,
+    LARGEST_FILE_MB,
     LEAN,
     STANDS,
+    canonical,
     check_angle,
     check_curve,
     checked_tape,
     load_profile,
+    profile_text,
     stated_inclination,
     stated_tape,
 )  # fmt: skip
+from .user_file import read_bytes
 
 ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
@@ -35,6 +40,9 @@ GAUGE_DEPTH = 0.014  # below the top, where gauge is measured [m]
 RUNNING_SLOPE = np.tan(np.radians(60.0))
 GAP = 3e-3  # between neighbouring points, from which the report warns [m]
 LARGEST_SHIFT = 0.1  # of a wheel to the field side [m]
+TREAD = (0.010, 0.040)  # y between which the slope of a tread is taken [m]
+TREAD_USUAL = (0.020, 0.070)  # of cones 1:40 and 1:20, S1002 and worn ones; a wheel turned by 2 degrees is outside
+FLANGE_USUAL = (0.025, 0.037)  # flange height, new and worn [m]
 SIDE = 0.002  # a running surface that ends this near to the field side of a head ends with it [m]
 
 
@@ -148,9 +156,10 @@ def convert(measured, settings):
         raw, profile = raw.translated(*move), profile.translated(*move)
         check_curve(path, kind.choice, profile.y * 1e3, profile.z * 1e3, np.arange(profile.y.size))
     profile = replace(profile, inclined=STANDS[stands.choice] if stands else None, tape_to_back=tape)
+    decisions += _doubts(profile)
     account = {
         "file": str(path),
-        "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "sha256": hashlib.sha256(read_bytes(path, "a profile file", LARGEST_FILE_MB)).hexdigest(),
         "format": measured.source,
         "kind": kind.choice,
         "points_read": int(measured.y.size),
@@ -179,6 +188,34 @@ def is_bundled(name):
     return str(name).lower() in map(str.lower, BUNDLED)
 
 
+def is_foreign(path, text):
+    """True if a file is not of the canonical form but of a format that says of itself what it is."""
+    return Path(path).suffix.lower() in ENDINGS or recognised(text) is not None
+
+
+def can_import(path, kind):
+    """True if a file can be made into a profile of this kind that is fit for a contact table."""
+    try:
+        return not import_profile(path, ImportSettings(kind=kind)).account["unfit"]
+    except InputError:
+        return False
+
+
+def told(account):
+    """One line on a file that was imported without being asked how."""
+    chosen = {one["subject"]: one["choice"] for one in account["decisions"]}
+    keys = ("units", "mirror y", "mirror z", "origin", "inclination")
+    words = [f"{key} {chosen[key]}" for key in keys if key in chosen]
+    dropped = sum(fault["points"] for fault in account["faults"] if fault["treatment"] == "dropped")
+    words += [f"{dropped} points dropped"] if dropped else []
+    doubts = [f"{one['choice']} {one['reason']}" for one in account["decisions"] if one["subject"] == WARNING]
+    doubts += account["advice"]
+    advice = f" Mind: {'; '.join(doubts)}." if doubts else ""
+    line = f"Imported {account['file']} ({account['format']}) with default decisions: {', '.join(words)}.{advice}"
+    line = "".join(letter if letter.isprintable() else "?" for letter in line)
+    return f"{line} `railcli profile import` tells all and takes options."
+
+
 def open_profile(name_or_path, settings):
     """A bundled profile by name, or the converted one of a file."""
     if not is_bundled(name_or_path):
@@ -200,7 +237,7 @@ def open_profile(name_or_path, settings):
 def stands_as_it_is(path, kind):
     """True if a table can be built from the file without import."""
     try:
-        load_profile(path, kind)
+        canonical(path, kind)
     except InputError:
         return False
     return True
@@ -292,6 +329,31 @@ def beside(place, ending):
     return place.with_name(f"{place.stem}.curation.{ending}")
 
 
+def _doubts(profile):
+    """Warning about a wheel that seems to stand turned in its file."""
+    if profile.kind != "wheel":
+        return []
+    try:
+        height = profile.flange_dimensions().height
+    except InputError:
+        return []
+    ends = np.interp(TREAD, profile.y, profile.z)
+    slope = float(ends[0] - ends[1]) / (TREAD[1] - TREAD[0])
+    found = []
+    if not FLANGE_USUAL[0] <= height <= FLANGE_USUAL[1]:
+        usual = f"{FLANGE_USUAL[0] * 1e3:g} to {FLANGE_USUAL[1] * 1e3:g} mm"
+        found.append(f"flange height {height * 1e3:.4g} mm, usual are {usual}")
+    if TREAD[1] < profile.y[-1] and not TREAD_USUAL[0] <= slope <= TREAD_USUAL[1]:
+        usual = f"{TREAD_USUAL[0] * 1e3:g} to {TREAD_USUAL[1] * 1e3:g}"
+        found.append(
+            f"the tread rises by {slope * 1e3:.3g} mm/m from {TREAD[0] * 1e3:g} to {TREAD[1] * 1e3:g} mm outside the "
+            f"tape circle, usual are {usual}; one degree is 17.5 mm/m, and 1 mm of flange height"
+        )
+    if not found:
+        return []
+    return [Decision(WARNING, "turned?", f"{'; '.join(found)}: check how the instrument stood, or if it is so worn")]
+
+
 def _running_surface(profile):
     """Nodes where wheels and rails run: slopes below 60 degrees, on a wheel from its flank to the field side, on a rail
     down to where gauge is measured."""
@@ -355,11 +417,7 @@ def _tape(path, kind, settings):
         return None
     if settings.tape_to_back is not None:
         return checked_tape(settings.tape_to_back, "--tape-to-back")
-    return stated_tape(_text(path), path) or TAPE_TO_BACK
-
-
-def _text(path):
-    return path.read_text(encoding="utf-8-sig", errors="replace")
+    return stated_tape(profile_text(path), path) or TAPE_TO_BACK
 
 
 def _stands(path, kind, settings):
@@ -370,7 +428,7 @@ def _stands(path, kind, settings):
         return None
     if settings.inclination:
         return Decision("inclination", settings.inclination, "given")
-    found = stated_inclination(_text(path), path)
+    found = stated_inclination(profile_text(path), path)
     return Decision("inclination", found, "as the file says") if found else None
 
 

@@ -13,6 +13,7 @@ import difflib
 import math
 import os
 import re
+import shlex
 import sys
 from pathlib import Path
 
@@ -24,6 +25,9 @@ from railcli.model.polyline import meeting as _meeting
 from railcli.model.polyline import turns
 from railcli.model.profile import TAPE_LIMITS, Profile
 
+from .text_table import LARGEST_NUMBER, content, shown, split_of
+from .user_file import plain_text
+
 BUNDLED = {
     "UIC60": ("rail", "profiles/UIC60/UIC60.csv"),
     "60E1": ("rail", "profiles/UIC60/60E1.csv"),
@@ -31,8 +35,7 @@ BUNDLED = {
 }
 LARGEST_FILE_MB = 10
 FEWEST_POINTS, MOST_POINTS = 10, 20_000
-MOST_LINES, LONGEST_LINE = 100_000, 100_000  # bytes of a line
-LARGEST_NUMBER = 1e9  # in any unit; no profile has one, and its square is still a number
+MOST_LINES = 100_000
 WIDTH_MM = {"rail": (57.0, 87.0), "wheel": (60.0, 200.0)}  # a rail's head: 72 mm +- 15 mm
 CURVE_MM = (5.0, 500.0)  # length of the curve
 BACK_MM = 0.02  # a step back in y that passes as noise of a measurement
@@ -54,10 +57,12 @@ _INCLINATION = re.compile(r"[#!%]\s*inclination\s*:\s*(.*?)\s*", re.IGNORECASE)
 def load_profile(name_or_path, kind):
     """The profile of a bundled name (upper or lower case) or of a file, checked.
 
+    A file of a measuring device or of another program is imported with default decisions, and that is said on stderr.
+
     Parameters
     ----------
     name_or_path : str or path
-        `UIC60`, `60E1`, `ORES1002`, or a file as the module describes.
+        `UIC60`, `60E1`, `ORES1002`, a file as the module describes, or one that `formats` reads.
     kind : "rail" or "wheel"
 
     Raises
@@ -68,10 +73,33 @@ def load_profile(name_or_path, kind):
     given = os.fspath(name_or_path)
     name = {bundled.lower(): bundled for bundled in BUNDLED}.get(given.lower())
     if name is None:
-        return _read(Path(given), Path(given).stem, kind)
+        return _of_file(Path(given), kind)
     if BUNDLED[name][0] != kind:
         raise InputError(name, f"this is a {BUNDLED[name][0]} profile, but a {kind} is needed: give {_choices(kind)}")
     return _read(resource(BUNDLED[name][1]), name, kind)
+
+
+def canonical(path, kind):
+    """The profile of a file in the canonical form; errors as `load_profile`."""
+    return _read(Path(path), Path(path).stem, kind)
+
+
+def _of_file(path, kind):
+    """The profile of a file, imported where it is of a known format that is not the canonical one."""
+    from . import profile_import  # only now: it builds on this module
+
+    text = _text(path, kind)
+    if profile_import.is_foreign(path, text):
+        imported = profile_import.import_profile(path, profile_import.ImportSettings(kind=kind))
+        print(profile_import.told(imported.account), file=sys.stderr)
+        return imported.profile
+    try:
+        return canonical(path, kind)
+    except InputError as error:
+        if profile_import.can_import(path, kind):
+            command = f"railcli profile import {shlex.quote(str(path))}"
+            raise error.and_so(f"; or convert it: `{command}`") from None
+        raise
 
 
 def profile_of(scenario, place, kind):
@@ -184,57 +212,26 @@ def _read(path, name, kind):
 
 
 def _text(path, kind):
-    try:
-        if path.is_dir():
-            raise InputError(path, f"this is a folder; give {_choices(kind)}")
-        if not path.exists():
-            known = {name.lower(): name for name, (of, _) in BUNDLED.items() if of == kind}
-            near = difflib.get_close_matches(path.name.lower(), known, n=1)
-            hint = f"did you mean {known[near[0]]}?" if near else f"give {_choices(kind)}"
-            raise InputError(path, f"there is no such file or bundled {kind} profile; {hint}")
-    except OSError as error:
-        raise unreadable(path, error) from error
-    return plain_text(path, f"give {_choices(kind)}")
+    known = {name.lower(): name for name, (of, _) in BUNDLED.items() if of == kind}
+    near = difflib.get_close_matches(path.name.lower(), known, n=1)
+    hint = f"did you mean {known[near[0]]}?" if near else f"give {_choices(kind)}"
+    return profile_text(path, f"give {_choices(kind)}", f"there is no such file or bundled {kind} profile; {hint}")
 
 
-def plain_text(path, advice="give a text file", what="profile file", largest_mb=LARGEST_FILE_MB, most_lines=MOST_LINES):
-    """The text of a regular file of limited size in lines, without bytes that no text has; else an InputError."""
-    try:
-        if not path.is_file():
-            raise InputError(path, f"this is not a regular file; {advice}")
-        size = path.stat().st_size
-        if size > largest_mb * 1e6:
-            raise InputError(path, f"{size / 1e6:.1f} MB; a {what} may have at most {largest_mb} MB")
-        data = path.read_bytes()
-    except OSError as error:
-        raise unreadable(path, error) from error
-    strange = set(data) & (set(range(32)) - set(b"\t\n\r\f"))
-    if strange:
-        raise InputError(path, f"this is a binary file (it contains byte {min(strange)}); a text file is needed")
-    if (count := max(data.count(b"\n"), data.count(b"\r"))) > most_lines:
-        raise InputError(path, f"{count} lines; a {what} may have at most {most_lines}: thin the points out")
-    for number, line in enumerate(data.replace(b"\r", b"\n").split(b"\n"), start=1):
-        if len(line) > LONGEST_LINE:
-            raise InputError(f"{path}, line {number}", f"{len(line)} bytes in one line; {advice}")
-    return data.decode("utf-8-sig", errors="replace")
-
-
-def unreadable(path, error):
-    """The InputError for a file that the system does not let us read."""
-    return InputError(path, f"cannot be read: {error.strerror or error}")
+def profile_text(path, advice="give a text file", absent="there is no such file"):
+    """The text of a profile file."""
+    return plain_text(path, "a profile file", LARGEST_FILE_MB, MOST_LINES, absent, advice)[0]
 
 
 def _table(text, path):
     """Columns of the text in mm and rad, the unit of y in mm, and the line number of each point."""
-    columns, rows, lines = None, [], []
-    for number, line in enumerate(text.splitlines(), start=1):
-        line = line.strip()
-        if not line or line[0] in "#!%":
-            continue
-        fields = [field.strip() for field in line.split(";" if ";" in line else "," if "," in line else None)]
+    columns, rows, lines, split = None, [], [], None
+    for number, line in content(text):
+        split = split or split_of(line)
+        fields = [split.point(field) for field in split.cells(line)]
         if columns is None:
             if not any(_is_number(field) for field in fields):
-                columns = _header(fields, path, number)
+                columns, split = _header(fields, path, number), None
                 continue
             columns = WITHOUT_HEADER[: len(fields)]
             if len(fields) not in (2, 3):
@@ -242,7 +239,7 @@ def _table(text, path):
         if len(fields) != len(columns) or not all(map(_is_number, fields)):
             raise InputError(
                 f"{path}, line {number}",
-                f"found {line[:60]!r}; {len(columns)} numbers ({', '.join(columns)}) with decimal points are needed",
+                f"found {shown(line)}; {len(columns)} numbers ({', '.join(columns)}) are needed",
             )
         row = tuple(map(float, fields))
         if not all(abs(value) <= LARGEST_NUMBER for value in row):

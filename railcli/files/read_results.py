@@ -18,8 +18,11 @@ from .filtered_series import CHUNK, FILTERED, OF_INTERVAL, PARTS
 from .growing_hdf5 import CHUNK_CACHE
 from .inputs import SCENARIO, restore
 from .results import FORMAT, FORMAT_VERSION, TIME_SERIES
+from .seal import check_size
+from .user_file import read_bytes, regular
 
 SUMMARY = "summary.json"
+LARGEST_MB = 64  # of scenario and summary
 PIECE = 10 * CHUNK  # rows that `pieces` gives at once
 COMPONENTS = {"position": ("s", "y", "z"), "rotation": ("roll", "pitch", "yaw"), "T_gamma": PARTS}
 READABLE = (1, FORMAT_VERSION)  # rows of version 1 are instants throughout, and nothing is low-passed
@@ -75,6 +78,7 @@ class Rows:
                 found[name] = Channel(name, *about, _columns(item), bool(item.attrs.get(OF_INTERVAL, False)))
                 if item.shape[0] != self.rows:
                     raise KeyError(name)
+                check_size(item)
 
         group.visititems(visit)
         rest = sorted(found, key=lambda name: name.split("/")[0] not in ("time", "traction"))
@@ -220,6 +224,7 @@ class Results(Rows):
         if not self._path.exists():
             what = "no such folder" if not self.folder.exists() else f"no results of a run: no {self._path.name} there"
             raise InputError(self.folder, f"{what}; `railcli run scenario -o FOLDER` writes one")
+        regular(self._path, "a file of time series")
         try:
             try:
                 return h5py.File(self._path, "r", locking=False, rdcc_nbytes=CHUNK_CACHE)
@@ -258,13 +263,10 @@ def _columns(dataset):
 
 
 def _json(path):
+    data = read_bytes(path, "a file of a results folder", LARGEST_MB, f"is missing; {_ASK_AGAIN}")
     try:
-        value = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(path, f"is missing; {_ASK_AGAIN}") from None
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
+        value = json.loads(data.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
         raise InputError(path, f"is damaged, no JSON: {error}") from None
     if not isinstance(value, dict):
         raise InputError(path, "is damaged: it holds no table")

@@ -9,15 +9,18 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
+from railcli.analysis.alignment import course
 from railcli.errors import InputError
+from railcli.model import rails
 from railcli.model.checks import hint
+from railcli.model.irregularity import Measured as Recorded
 from railcli.model.limits import Limits
-from railcli.model.rails import irregularity as rail_irregularity
-from railcli.model.scenario import PROFILES, TABLES, Run, Scenario
+from railcli.model.scenario import PROFILES, TABLES, Contact, Run, Scenario
 from railcli.model.track import Track, pack
 from railcli.model.vehicle import Vehicle
 
 from . import irregularity, toml
+from .decision import tell
 from .output import file_name
 from .profiles import load_profile
 from .resources import resource
@@ -30,6 +33,7 @@ VEHICLES = {
     "y25-laden": "vehicles/y25/laden.toml",
     "locomotive": "vehicles/locomotive/vehicle.toml",
 }
+ASKED = ("kind", "file", "chord", "bridge", "cross_level")  # keys of a measured track that its reader must know
 DEFAULT_SCENARIO = "curve-1200-45"
 
 
@@ -129,7 +133,7 @@ def load_alignment(source):
         pivot=case.cant_pivot,
         gravity=case.run.gravity,
         speed=case.run.speed,
-        irregularity=partial(rail_irregularity, case) if case.irregularity else None,
+        irregularity=partial(rails.irregularity, case) if case.irregularity else None,
     )
 
 
@@ -203,9 +207,9 @@ def _load_file(path):
             table["vehicle"] = load_vehicle(vehicle, path.parent)
         except InputError as error:
             raise InputError(f"{path}: vehicle", str(error)) from None
-    sections = table.get("track")
+    sections, gauge = table.get("track"), _gauge(table)
     if isinstance(sections, list):
-        table["track"] = [_with_table(section, i, path) for i, section in enumerate(sections, start=1)]
+        table["track"] = [_with_table(section, i, path, gauge) for i, section in enumerate(sections, start=1)]
     contact = table.get("contact")
     if isinstance(contact, dict):
         names = "wheel_profile", "rail_profile", "table"
@@ -213,11 +217,49 @@ def _load_file(path):
             contact[key] = _beside(contact.get(key), path)
             if contact[key] is None:
                 del contact[key]
-    for source in table.get("irregularity", []) if isinstance(table.get("irregularity"), list) else []:
-        if isinstance(source, dict) and source.get("kind") == "measured" and isinstance(source.get("file"), str):
-            source.setdefault("samples", irregularity.read(path.parent / source["file"]))
-    scenario = toml.build(Scenario, table, path)
+    found = _recordings(table.get("irregularity"), path, gauge)
+    scenario = _beside_cant(toml.build(Scenario, table, path), found, path)
     return scenario.knowing(dict(_contents(scenario.contact)))
+
+
+def _gauge(table):
+    """Nominal gauge of a scenario that is not yet checked [m]."""
+    contact = table.get("contact")
+    for key, value in (contact.items() if isinstance(contact, dict) else ()):
+        stem, unit = toml.split_unit(key)
+        if stem == "gauge" and unit and unit.si == "m" and isinstance(value, int | float):
+            return value * unit.times / unit.over
+    return Contact.model_fields["gauge"].default
+
+
+def _recordings(sources, path, gauge):
+    """Recordings of the measured tracks that a scenario names, by their place; their samples go into its table."""
+    found = {}
+    for number, source in enumerate(sources if isinstance(sources, list) else []):
+        if not (isinstance(source, dict) and source.get("kind") == "measured" and isinstance(source.get("file"), str)):
+            continue
+        place = path.parent / source["file"]
+        asked = {key: value for key, value in source.items() if toml.split_unit(key)[0] in ASKED}
+        about = toml.build(Recorded, asked, f"{path}: irregularity[{number + 1}]")
+        asked = irregularity.Asked(about.chord, about.bridge, gauge, about.cross_level)
+        found[number] = irregularity.recording(place, asked)
+        tell(place, found[number].decisions)
+        source.setdefault("samples", found[number].samples)
+    return found
+
+
+def _beside_cant(scenario, found, path):
+    """The scenario with absolute cross-levels counted from the cant of its track."""
+    sources = list(scenario.irregularity)
+    for number, one in found.items():
+        if one.absolute:
+            source = sources[number]
+            s = one.samples.position - source.position_at_start(rails.course(scenario))
+            cant = course(scenario.pieces(), np.clip(s, 0.0, scenario.track.length)).cant
+            on_track = (s >= 0.0) & (s <= scenario.track.length)
+            samples = irregularity.without_cant(path.parent / source.file, one.samples, cant, s, on_track)
+            sources[number] = source.model_copy(update={"samples": samples})
+    return scenario.varied(irregularity=tuple(sources)) if any(one.absolute for one in found.values()) else scenario
 
 
 def _contents(contact):
@@ -234,16 +276,22 @@ def _contents(contact):
                 yield place, found
 
 
-def _with_table(section, number, path):
+def _with_table(section, number, path, gauge):
     """The same section; a measured one that names a file as what is in that file."""
     if not (isinstance(section, dict) and section.get("kind") == "measured" and "file" in section):
         return section
     where = f"{path}: track[{number}]"
-    if more := sorted(set(section) - {"kind", "file"}):
-        raise InputError(where, f"{more[0]!r} beside 'file'; all columns come from the file")
+    chord = None
+    for key in sorted(set(section) - {"kind", "file"}):
+        stem, unit = toml.split_unit(key)
+        if stem != "chord" or unit is None or unit.si != "m":
+            raise InputError(where, f"{key!r} beside 'file'; all columns come from the file")
+        if not isinstance(section[key], int | float) or not 1.0 <= section[key] * unit.times / unit.over <= 200.0:
+            raise InputError(f"{where}.{key}", f"must be a number from 1 to 200 m, got {section[key]!r}")
+        chord = section[key] * unit.times / unit.over
     if not isinstance(section["file"], str):
         raise InputError(f"{where}.file", f"must be a text in quotes, got {section['file']!r}")
-    return read_alignment(path.parent / section["file"])
+    return read_alignment(path.parent / section["file"], chord, gauge)
 
 
 def _is_path(text):

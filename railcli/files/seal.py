@@ -7,7 +7,10 @@ import hashlib
 
 from railcli.errors import InputError
 
+from .user_file import regular, unreadable
+
 HEAD_SIZE = 512
+MOST_PACKED = 1100  # times that deflate makes data smaller, at most; what a file declares beyond was never written
 UNREADABLE = (  # what h5py, json and our own descriptions raise on a file that holds something else
     OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError, ArithmeticError, MemoryError,
 )  # fmt: skip
@@ -38,22 +41,34 @@ def check(path, title, what, advice, absent):
     absent : str
         What to say of a file that is not there.
     """
+    size = regular(path, what, absent) - HEAD_SIZE
     try:
-        if path.is_dir():
-            raise InputError(path, f"is a folder, not {what}")
         with open(path, "rb") as file:
             found = file.read(HEAD_SIZE)
-            size = path.stat().st_size - HEAD_SIZE
+            lines = found.split(b"\n")
+            if lines[0] != title.encode() or len(found) < HEAD_SIZE:
+                raise InputError(path, f"is not {what} of railcli; {advice}")
+            words = lines[2].split()
+            declared = int(words[1]) if len(words) == 2 and words[1].isdigit() else -1
+            if size < declared:
+                raise InputError(path, f"is truncated: {size} of {declared} bytes are left; {advice}")
+            if size > declared:
+                raise InputError(path, f"is damaged: it has {size} bytes, but its head says {declared}; {advice}")
             digest = hashlib.file_digest(file, "sha256").hexdigest()
-    except FileNotFoundError:
-        raise InputError(path, absent) from None
     except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from error
-    lines = found.split(b"\n")
-    if lines[0] != title.encode() or len(found) < HEAD_SIZE:
-        raise InputError(path, f"is not {what} of railcli; {advice}")
-    words = lines[2].split()
-    if len(words) == 2 and words[1].isdigit() and size < int(words[1]):
-        raise InputError(path, f"is truncated: {size} of {int(words[1])} bytes are left; {advice}")
+        raise unreadable(path, error) from error
     if found != head_of(title, digest, size):
         raise InputError(path, f"is damaged: its checksum does not fit its contents; {advice}")
+
+
+def whole(dataset):
+    """All values of a dataset; a ValueError if it declares more than its file can hold."""
+    check_size(dataset)
+    return dataset[()]
+
+
+def check_size(dataset):
+    """Raise a ValueError if a dataset declares more values than those that its file holds."""
+    held = dataset.id.get_storage_size()
+    if dataset.nbytes > MOST_PACKED * held:
+        raise ValueError(f"{dataset.name} declares {dataset.nbytes} bytes, its file holds {held} of them")

@@ -27,6 +27,7 @@ from . import seal
 from .output import cache_folder, whole_hdf5
 from .profiles import BUNDLED, load_profile, profile_of, settings_on
 from .progress import Progress
+from .user_file import regular
 
 HEAD_SIZE = seal.HEAD_SIZE
 TITLE = "railcli contact table"
@@ -193,7 +194,7 @@ def read(path):
                 raise InputError(
                     path, f"is of version {version}; this railcli reads version {VERSION}; {_build_again(path)}"
                 )
-            arrays = {name: file[name][()] for name in ARRAYS if name in file}
+            arrays = {name: seal.whole(file[name]) for name in ARRAYS if name in file}
             if "heights" in file:
                 arrays["counts"] = tuple(int(count) for count in file["heights"].attrs["knots"])
         settings = TableSettings(**json.loads(attributes["settings"]))
@@ -224,10 +225,11 @@ def identity(path):
     import h5py
 
     try:
+        regular(path, "a contact table")
         with h5py.File(path, "r", locking=False) as file:
             keys = ("version", "settings", "wheel_sha256", "rail_sha256", "method", "kernels")
             return hashlib.sha256(json.dumps([str(file.attrs[key]) for key in keys]).encode()).hexdigest()[:16]
-    except seal.UNREADABLE:
+    except (InputError, *seal.UNREADABLE):
         return None
 
 

@@ -5,6 +5,7 @@ are counted from 1 in messages.
 """
 
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import NamedTuple, get_args
@@ -13,6 +14,12 @@ from pydantic import BaseModel, ValidationError
 
 from railcli.errors import InputError
 from railcli.model.checks import hint, nearest
+
+from .user_file import read_bytes
+
+LARGEST_MB = 4
+DEEPEST = 50  # parts of a dotted key
+_TOO_DEEP = re.compile(rf"(?<![\w-])(?:[\w-]+\s*\.\s*){{{DEEPEST}}}", re.ASCII)
 
 
 class Unit(NamedTuple):
@@ -91,14 +98,12 @@ def read(path):
         It is missing, cannot be read or is not TOML.
     """
     path = Path(path)
+    data = read_bytes(path, "a TOML file", LARGEST_MB)
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8"))
-    except FileNotFoundError:
-        raise InputError(path, "no such file") from None
-    except IsADirectoryError:
-        raise InputError(path, "is a folder, not a TOML file") from None
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from None
+        text = data.decode("utf-8")
+        if _TOO_DEEP.search(text):
+            raise InputError(path, f"a key has more than {DEEPEST} parts with dots between them; none is so deep")
+        return tomllib.loads(text)
     except UnicodeDecodeError:
         raise InputError(path, "is not a text file in UTF-8") from None
     except ValueError as error:
@@ -125,11 +130,13 @@ def build(description, table, where):
         The first thing that is wrong, as ``file: key: what is allowed, what was found``.
     """
     written = {}
-    values = _to_si(table, (), written, where)
     try:
+        values = _to_si(table, (), written, where)
         return description.model_validate(values, by_alias=True, by_name=False)
     except ValidationError as error:
         raise _translated(description, error, values, written, where) from None
+    except RecursionError:
+        raise InputError(where, "its tables are nested too deeply") from None
 
 
 def _to_si(value, path, written, where):

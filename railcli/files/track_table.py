@@ -1,4 +1,7 @@
-"""Measured alignment of a track: a CSV file whose column names carry their units."""
+"""Measured alignment of a track: a text table over the position, whose names carry their units.
+
+Curvature, radius or a versine; cant, gradient and gauge where they are given. Names: `track_names`, `positions`.
+"""
 
 from pathlib import Path
 
@@ -7,34 +10,46 @@ from pydantic import ValidationError
 
 from railcli.errors import InputError
 from railcli.model.sections import SHARPEST, Measured
+from railcli.model.track import LONGEST
 
 from . import toml
-from .formats.measured import number, shown
+from .decision import WARNING, Decision, tell
+from .positions import is_position, settled
+from .text_table import SHOWN
+from .text_table import read as read_table
+from .track_names import meaning_of
 
-COLUMNS = {  # stem of a column's name: what it is, and its SI unit
-    "position": ("position", "m"),
-    "s": ("position", "m"),
-    "curvature": ("curvature", "1_per_m"),
-    "radius": ("radius", "m"),
-    "cant": ("cant", "m"),
-    "gradient": ("gradient", "m_per_m"),
-    "gauge": ("gauge", "m"),
-}
-REGULAR = 0.9  # of the steps within half of their median: the table has a regular step
-GAP = 10.0  # such steps without a position
+SI = {"position": "m", "curvature": "1_per_m", "radius": "m", "versine": "m", "cant": "m", "gradient": "m_per_m",
+      "gauge": "m"}  # fmt: skip
+PLAN = ("curvature", "radius", "versine")
+GAP = 10.0  # steps without a position
+LARGEST_FILE_MB, MOST_ROWS = 20, 100_000
+NOMINAL_GAUGE = 1.435  # unless a scenario says another [m]
+ABSOLUTE_GAUGE = 0.5  # from which a gauge is absolute [m]
 
 
-def read_alignment(path):
-    """Section of track from a measured alignment table.
+def read_alignment(path, chord=None, gauge=NOMINAL_GAUGE):
+    """Section of track from a measured alignment table; what must be known of it is said on stderr."""
+    section, decisions = alignment(path, chord, gauge)
+    tell(path, decisions)
+    return section
+
+
+def alignment(path, chord=None, gauge=NOMINAL_GAUGE):
+    """Section of track from a measured alignment table, and the decisions that led to it.
 
     Parameters
     ----------
     path : path-like
-        CSV with a line of names such as ``position_m, curvature_1_per_km, cant_mm``; see docs/scenario.md.
+        A line of names such as ``position_m, curvature_1_per_km, cant_mm``; see docs/scenario.md.
+    chord : float, optional
+        Of its versines [m].
+    gauge : float
+        From which a gauge that is no absolute one counts [m].
 
     Returns
     -------
-    railcli.model.sections.Measured
+    railcli.model.sections.Measured, list of Decision
 
     Raises
     ------
@@ -42,107 +57,97 @@ def read_alignment(path):
         One line: file and line, what was found, what is allowed.
     """
     path = Path(path)
-    lines = _lines(path)
-    if not lines:
-        raise InputError(path, "is empty; a line of names and one line for each position are needed")
-    (header, names), *body = lines
-    separator = next((one for one in (";", "\t") if one in names), ",")
-    columns = _columns(f"{path}, line {header}", [name.strip(" \"'") for name in names.split(separator)])
-    if len(body) < 2:
-        raise InputError(path, f"has {len(body)} positions; at least 2 are needed")
-    places = {quantity: place for quantity, place, _ in columns}
-    table = {quantity: np.empty(len(body)) for quantity in places}
-    for row, (line, text) in enumerate(body):
-        fields = text.split(separator)
-        for quantity, place, unit in columns:
-            field = fields[place].strip() if place < len(fields) else ""
-            value = _value(f"{path}, line {line}", quantity, field, separator)
-            table[quantity][row] = value * unit.times / unit.over
-    _rising(path, table["position"], [line for line, _ in body])
-    if "radius" in table:
-        table["curvature"] = _curvature(path, table.pop("radius"), [line for line, _ in body])
+    table = read_table(path, _meaning, "an alignment table", LARGEST_FILE_MB, MOST_ROWS)
+    if table.lines.size < 2:
+        raise InputError(path, f"has {table.lines.size} positions; at least 2 are needed")
+    position, decisions = settled(table, GAP)
+    decisions = [*table.decisions, *decisions]
+    if position[-1] - position[0] > LONGEST:
+        length = position[-1] - position[0]
+        raise InputError(path, f"is {length:g} m long; at most {LONGEST:g} m: check the unit of position")
+    values = {key: _filled(table, key) for key in table.values if key != "position"}
+    if "radius" in values:
+        values["curvature"] = _curvature(table, values.pop("radius"))
+    if "versine" in values:
+        values["curvature"] = _of_versine(table, values.pop("versine"), chord, decisions)
+    if "gauge" in values and np.abs(values["gauge"]).max() < ABSOLUTE_GAUGE:
+        values["gauge"] = values["gauge"] + gauge
+        decisions.append(Decision("gauge", f"added to {gauge * 1e3:g} mm", "it is a widening in the file"))
+    columns = {"position": position, **values}
     try:
-        return Measured(**{quantity: tuple(values.tolist()) for quantity, values in table.items()})
+        return Measured(**{key: tuple(column.tolist()) for key, column in columns.items()}), decisions
     except ValidationError as error:
         raise InputError(path, error.errors()[0]["msg"].removeprefix("Value error, ")) from None
 
 
-def _lines(path):
-    """Numbers and texts of all lines but empty ones and comments."""
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(path, "no such file") from None
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise InputError(path, "is not a text file in UTF-8") from None
-    lines = ((n, line.strip()) for n, line in enumerate(text.splitlines(), start=1))
-    return [(n, line) for n, line in lines if line and not line.startswith("#")]
-
-
-def _columns(where, names):
-    """What is known of the columns: quantity, place and unit."""
-    found = {}
+def _meaning(path, line, names):
+    """Places of what is known of the columns, as text_table.read asks for them."""
+    where, found, others = f"{path}, line {line}", {}, []
     for place, name in enumerate(names):
-        stem, unit = toml.split_unit(name.lower())
-        if stem not in COLUMNS:
+        about = None if is_position(name) else meaning_of(name)
+        key = "position" if about is None else {"cross_level": "cant"}.get(about.quantity, about.quantity)
+        if key not in SI or (about is not None and (about.side or about.vertical)):
+            others.append(name.written)
             continue
-        quantity, si = COLUMNS[stem]
-        if unit is None or unit.si != si:
-            known = ", ".join(f"{stem}_{key}" for key, one in toml.UNITS.items() if one.si == si)
-            raise InputError(where, f"column {name!r} does not end with a unit of {quantity}; write one of: {known}")
-        if quantity in found:
-            raise InputError(where, f"column {name!r}: {quantity} is given twice; keep one column")
-        found[quantity] = (quantity, place, unit)
-    if "position" not in found or not {"curvature", "radius"} & set(found):
+        if name.unit is None or name.unit.si != SI[key]:
+            stem = name.stem
+            known = ", ".join(f"{stem}_{unit}" for unit, one in toml.UNITS.items() if one.si == SI[key])
+            raise InputError(
+                where, f"column {name.written[:SHOWN]!r} does not end with a unit of {key}; write one of: {known}"
+            )
+        if key in found:
+            raise InputError(where, f"column {name.written[:SHOWN]!r}: {key} is given twice; keep one column")
+        found[key] = place
+    plan = [key for key in PLAN if key in found]
+    if "position" not in found or not plan:
         raise InputError(
             where,
-            f"found {shown(', '.join(names))}; needed are position (position_m) and curvature (curvature_1_per_km) or "
-            "radius (radius_m)",
+            f"found {', '.join(name.written for name in names)[:SHOWN]!r}; needed are position (position_m) and "
+            "curvature (curvature_1_per_km), radius (radius_m) or versine (versine_mm)",
         )
-    if {"curvature", "radius"} <= set(found):
-        raise InputError(where, "curvature and radius are both given; keep one of them")
-    return list(found.values())
+    if len(plan) > 1:
+        raise InputError(where, f"{' and '.join(plan)} are both given; keep one of them")
+    words = ", ".join(f"{key}: {names[at].written[:SHOWN]}" for key, at in found.items())
+    decisions = [Decision("columns", words, "by their names")]
+    if others:
+        words = ", ".join(other[:SHOWN] for other in others)
+        decisions.append(Decision("passed over", words, "nothing that an alignment takes"))
+    return found, decisions
 
 
-def _value(where, quantity, field, separator):
-    if quantity == "radius" and field.lower() in ("", "inf", "-inf"):
-        return 0.0
-    value = number(field.replace(",", ".") if separator != "," else field)
-    if value is None:
-        fault = "is empty" if not field else f"{shown(field)} is not a number"
-        raise InputError(where, f"{quantity} {fault}; fill it in or remove the line")
-    return value
+def _filled(table, key):
+    """Values of a column; a radius that is empty or infinite is straight track, all else must be there."""
+    values = table.values[key]
+    bad = ~np.isfinite(values)
+    if key == "radius":
+        empty = np.array([gone and table.cell(k, key) == "" for k, gone in enumerate(bad)])
+        straight = bad & (np.isinf(values) | empty)
+        values, bad = np.where(straight, 0.0, values), bad & ~straight
+    if bad.any():
+        row = int(np.argmax(bad))
+        cell = table.cell(row, key)
+        fault = f"{cell!r} is not a number" if cell else "is empty"
+        raise InputError(table.where(row), f"{key} {fault}; fill it in or remove the line")
+    return values
 
 
-def _rising(path, position, lines):
-    step = np.diff(position)
-    if (step <= 0.0).any():
-        k = int(np.argmax(step <= 0.0))
-        word = "repeats" if step[k] == 0.0 else "falls"
-        raise InputError(
-            f"{path}, line {lines[k + 1]}",
-            f"position {word}: {position[k + 1]:.10g} m follows {position[k]:.10g} m; positions must rise",
-        )
-    usual = np.median(step)
-    regular = np.mean(np.abs(step - usual) <= 0.5 * usual) >= REGULAR
-    if regular and step.max() > GAP * usual:
-        k = int(np.argmax(step))
-        raise InputError(
-            f"{path}, line {lines[k + 1]}",
-            f"gap of {step[k]:.6g} m after {position[k]:.10g} m in a table with a step of {usual:.4g} m; fill it, or "
-            "make two tables with a transition between them",
-        )
-
-
-def _curvature(path, radius, lines):
+def _curvature(table, radius):
     small = (radius != 0.0) & (np.abs(radius) * SHARPEST < 1.0)
     if small.any():
         k = int(np.argmax(small))
         raise InputError(
-            f"{path}, line {lines[k]}",
+            table.where(k),
             f"radius of {radius[k]:g} m: must be at least {1.0 / SHARPEST:g} m, or 0 for straight track; check the "
             "unit",
         )
     return np.divide(1.0, radius, out=np.zeros_like(radius), where=radius != 0.0)
+
+
+def _of_versine(table, versine, chord, decisions):
+    """Curvature of versines: 8 v / c^2, the mean over the chord with the weight of a triangle."""
+    chord = chord or meaning_of(table.names["versine"]).chord
+    if chord is None:
+        raise InputError(table.path, "a versine needs the length of its chord: give chord_m")
+    reason = f"8 v / c^2 with a chord c of {chord:g} m: a mean over the chord, so corners are rounded over it"
+    decisions.append(Decision(WARNING, "curvature from versines", reason))
+    return 8.0 * versine / chord**2

@@ -21,6 +21,7 @@ OF_HEIGHTS = (
     "coefficients", "parts",
 )  # fmt: skip
 SAME_TAPE = 1e-6  # distances of tape circles from flange backs that count as one [m]
+MOST_POSITIONS = 10_000_000  # some GB
 LIMITS = {
     "gauge": (0.5, 2.0, "m"),
     "flange_back": (0.4, 2.0, "m"),
@@ -99,6 +100,12 @@ class TableSettings:
                 f"1:n needs n of 5 ... 1000, or 0 for a rail as in its profile; got {self.inclination:g}",
             )
         choose(NORMAL_LAWS, "contact table: normal", self.normal)
+        if not self.stores_heights and self.positions > MOST_POSITIONS:
+            raise InputError(
+                "contact table",
+                f"{self.positions:.4g} positions of the wheel (y {self.y_count}, roll {self.roll_count}, yaw "
+                f"{self.yaw_count}); at most {MOST_POSITIONS:g}: reduce a range or enlarge a step",
+            )
         if self.fineness != 1.0 and not self.stores_heights:
             raise InputError("contact table: fineness", f"must be 1 with normal {self.normal}, whose grid is given")
 

@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, InstanceOf, computed_field, model_validator
+from pydantic import BeforeValidator, Field, InstanceOf, computed_field, model_validator
 
 from railcli.errors import InputError
 
@@ -26,6 +26,12 @@ PIECES = 32  # of a defect's length
 FINEST = 0.01  # distance of nodes that keeps the jump of curvature where a defect begins [m]
 PER_SAMPLE = 4  # nodes per distance of measured samples
 
+ChordParts = Annotated[
+    tuple[Annotated[Positive, Field(le=100.0)], ...],
+    BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value / 2.0, value / 2.0)
+                    if isinstance(value, float | int) and not isinstance(value, bool) else value),
+    Field(min_length=2, max_length=2),
+]  # fmt: skip
 Size = Annotated[Real, Field(ge=-LARGEST, le=LARGEST)]
 Place = Annotated[Real, Field(ge=-1e6, le=1e6)]
 Length = Annotated[Positive, Field(le=1e5)]
@@ -38,6 +44,7 @@ class Course(NamedTuple):
     end: float  # and at the end of the run [m]
     track_end: float  # where the track ends, its continuation included [m]
     level: float  # distance of the rails over the base of cross-level [-]
+    origin: float = 0.0  # position along the line at s = 0, as the track counts it [m]
 
 
 def rails(channels, level):
@@ -195,10 +202,13 @@ class Measured(Stretch):
 
     kind: Literal["measured"] = "measured"
     file: Name
-    offset: Place = Field(0.0, alias="offset_m")  # position in the file where the run begins, s = 0
+    offset: Place | None = Field(None, alias="offset_m")  # position in the file at s = 0; None: as the track counts
     vertical_positive: Literal["up", "down"] = "up"
     lateral_positive: Literal["right", "left"] = "right"
     scale: Annotated[Positive, Field(le=100.0)] = 1.0
+    cross_level: Literal["found", "absolute", "relative"] = "found"  # whether the file's holds the cant
+    bridge: Annotated[NotNegative, Field(le=1e3)] = Field(0.0, alias="bridge_m")  # longest dropout drawn over
+    chord: ChordParts | None = Field(None, alias="chord_m")  # of its versines: before and after the point
     samples: InstanceOf[Samples] | None = Field(None, exclude=True, repr=False)
 
     @computed_field
@@ -211,13 +221,18 @@ class Measured(Stretch):
         self._check_start(course)
         if self.samples is None:
             return
-        position = self.samples.position
-        first, last = self.start(course) + self.offset, course.end + self.offset
+        position, offset = self.samples.position, self.position_at_start(course)
+        first, last = self.start(course) + offset, course.end + offset
         if position[0] > first + 1e-6 or position[-1] < last - 1e-6:
             raise ValueError(
-                f"{self.file} covers {position[0]:g} to {position[-1]:g} m, but the run needs {first:g} to {last:g} m "
-                "of it; shorten the run, or set begin_m or offset_m"
+                f"{self.file} covers {position[0]:.10g} to {position[-1]:.10g} m, but the run needs {first:.10g} to "
+                f"{last:.10g} m of it; shorten the run, or set begin_m or offset_m, the position in the file at s = 0 "
+                f"({offset:.10g} m {'by the track' if self.offset is None else 'as given'})"
             )
+
+    def position_at_start(self, course):
+        """Position in the file at s = 0 [m]."""
+        return course.origin if self.offset is None else self.offset
 
     def _at_hand(self):
         if self.samples is None:
@@ -231,9 +246,8 @@ class Measured(Stretch):
     def displacement(self, s, course):
         from scipy.interpolate import CubicSpline  # takes half a second to load, so only where it is used
 
-        position = self._at_hand().position
-        u = np.clip(s + self.offset, position[0], position[-1])
-        inside = (s + self.offset >= position[0]) & (s + self.offset <= position[-1])
+        position, at = self._at_hand().position, s + self.position_at_start(course)
+        u, inside = np.clip(at, position[0], position[-1]), (at >= position[0]) & (at <= position[-1])
         value, slope = {}, {}
         for name, samples in self.samples.channels.items():
             sign = {"vertical": self.vertical_positive == "down", "alignment": self.lateral_positive == "left"}

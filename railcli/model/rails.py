@@ -26,6 +26,7 @@ def course(scenario):
         end=scenario.distance + front,
         track_end=scenario.track.length + MARGIN,
         level=2.0 * scenario.contact.tape_circle / scenario.cant_base,
+        origin=scenario.track.origin,
     )
 
 

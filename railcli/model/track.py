@@ -5,13 +5,16 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, RootModel, model_validator
 
+from railcli.errors import InputError
 from railcli.kernels.layout import PATH_ORDER, PIECE
 
 from .sections import Curve, Measured, Straight, Transition
 from .submodels import TRANSITIONS
 
 MARGIN = 50.0  # track that continues before the first and after the last section [m]
+LONGEST = 1e6  # of a track [m]
 LONGEST_PIECE = 25.0  # [m]
+MOST_PIECES = 100_000
 LARGEST_TURN = 0.1  # of a piece, in plan or in height [rad]
 REMAINDER = 1e-13  # largest sum of the neglected terms of a piece's position [m]
 SERIES = 41  # terms of a power series that are looked at
@@ -35,10 +38,21 @@ class Track(RootModel[tuple[Section, ...]]):
         """Of all sections together [m]."""
         return sum(section.length for section in self.root)
 
+    @property
+    def origin(self):
+        """Position along the line where it begins: the first one of a measured table, else 0 [m]."""
+        first = self.root[0]
+        return first.position[0] if first.kind == "measured" else 0.0
+
     @model_validator(mode="after")
     def _joins(self):
         if not self.root:
             raise ValueError("has no section; give at least one of kind 'straight', 'curve' or 'measured'")
+        if self.length > LONGEST:
+            raise ValueError(
+                f"is {self.length:.6g} m long; at most {LONGEST:g} m are allowed: check the units of its lengths or "
+                "positions, or run it in parts"
+            )
         kinds = [section.kind for section in self.root]
         if "transition" in (kinds[0], kinds[-1]):
             raise ValueError("begins or ends with a transition; it needs a straight or a curve on either side")
@@ -189,8 +203,15 @@ def pack(track, margin=MARGIN, gradients=(), pivot="centre"):
     largest = np.abs(_valued(stretches.curvature, stretches.length[:, None] * np.linspace(0.0, 1.0, 9))).max(axis=1)
     climb = np.interp(stretches.start + stretches.length, knots, angles) - np.interp(stretches.start, knots, angles)
     turn = np.maximum(largest * stretches.length, np.abs(climb))
-    count = np.ceil(np.maximum(stretches.length / LONGEST_PIECE, turn / LARGEST_TURN)).astype(int)
+    count = np.ceil(np.maximum(stretches.length / LONGEST_PIECE, turn / LARGEST_TURN))
     while True:
+        if not count.sum() <= MOST_PIECES:
+            raise InputError(
+                "track",
+                f"{track.length:.6g} m of it turn by {turn.sum():.4g} rad in all: {count.sum():.3g} pieces, more than "
+                f"the {MOST_PIECES} that a track may have; shorten it or check its radii and lengths",
+            )
+        count = count.astype(int)
         pieces, of = _cut(stretches, count, knots, angles)
         path, neglected = _paths(pieces)
         coarse = np.unique(of[neglected > REMAINDER])

@@ -20,6 +20,9 @@ OFF_BALANCE = 0.005  # share of a sum of rail forces by which it may differ from
 LEAST_OFF = 200.0  # where that sum is small [N]
 VIBRATES = 100.0  # peak to peak of a wheel force on smooth track that is worth a warning [N]
 DIFFERENCE = 1e-5  # between the end of a run and Newton's steady motion that is worth a warning [m]
+ON_IRREGULAR_RAILS = (
+    "On irregular rails these are means of a motion that goes on swaying; that of Newton's method runs on ideal ones."
+)
 
 
 def _sides(stretch):
@@ -171,7 +174,8 @@ def report(scenario, outcome, stretch, steady, step):
             f"(weight along the track {steady.weight_along * 1e-3:.2f})"
         )
     warnings = (
-        unbalanced(mean, expected), settled(mean, newton, scenario.vehicle.is_dry), vibrates(steady.vibration),
+        (ON_IRREGULAR_RAILS,) if scenario.irregularity else
+        (unbalanced(mean, expected), settled(mean, newton, scenario.vehicle.is_dry), vibrates(steady.vibration))
     )  # fmt: skip
     return [*lines, *(f"  {warning}" for warning in warnings if warning)]
 

@@ -42,11 +42,12 @@ def test_numbers_of_a_table(tmp_path):
     without = json.loads(show(path, "--format", "json", "-o", tmp_path / "a.svg").stdout)
     assert set(without["sections"][0]["largest"]) == {"cant_m", "twist_m_per_m"}
     record = json.loads(show(path, "--speed", 30, "--format", "json", "-o", tmp_path / "b.svg").stdout)
-    (section,) = record["sections"]
-    assert section["largest"]["cant_deficiency_m"] == pytest.approx(1.5 * 900.0 * 3e-3 / 9.81 - 0.060)
-    assert section["largest"]["twist_m_per_m"] == pytest.approx(0.060 / 80.0)
-    assert section["gauge_over_nominal_m"]["high"] == pytest.approx(0.008)
-    assert section["gradient_m_per_m"]["last"] == pytest.approx(0.008)
+    ramp, curve = record["sections"]
+    assert (ramp["kind"], curve["kind"]) == ("transition", "curve") and ramp["to_m"] == pytest.approx(80.0)
+    assert curve["largest"]["cant_deficiency_m"] == pytest.approx(1.5 * 900.0 * 3e-3 / 9.81 - 0.060)
+    assert ramp["largest"]["twist_m_per_m"] == pytest.approx(0.060 / 80.0)
+    assert ramp["gauge_over_nominal_m"]["high"] == pytest.approx(0.008)
+    assert curve["gradient_m_per_m"]["last"] == pytest.approx(0.008)
     quantities = {warning["quantity"] for warning in record["warnings"]}
     assert quantities == {"cant_deficiency", "cant_deficiency_rate"}
     assert (tmp_path / "b.svg").read_text().startswith("<?xml")

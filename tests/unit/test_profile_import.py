@@ -328,7 +328,7 @@ def test_columns_as_people_write_them(write, content):
 
 def test_missing_folder_and_huge(tmp_path, write):
     assert refusal(tmp_path / "none.ban").endswith("there is no such file")
-    assert refusal(tmp_path).endswith("this is a folder; give a profile file")
+    assert refusal(tmp_path).endswith("is a folder, not a profile file")
     path = write(b"1 2\n" * 2_600_000, "huge.ban")
     assert refusal(path).endswith("10.4 MB; a profile file may have at most 10 MB")
     path.write_bytes(b"1 2\n" * 2_400_000)

@@ -14,11 +14,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from railcli.analysis.build_table import build_table
+from railcli.analysis.parts import parts
 from railcli.errors import InputError
 from railcli.files import scenario, tables
+from railcli.files.irregularity import Asked, recording
 from railcli.files.profile_import import ImportSettings, canonical_text, import_profile
 from railcli.files.profiles import load_profile
 from railcli.files.resources import resource
+from railcli.files.track_table import alignment
 from railcli.model import track
 from railcli.model.contact_table import TableSettings
 from railcli.model.system import needed, parameters, table_settings
@@ -170,6 +173,33 @@ def test_changed_canonical_profiles(tmp_path, source, changes):
     for kind in ("rail", "wheel"):
         profile = survives(lambda kind=kind: load_profile(path, kind))
         assert profile is None or np.isfinite([profile.y, profile.z, profile.angle]).all()
+
+
+RECORDING = "km;level_left [mm];level_right [mm];gauge [mm];cross_level [mm];versine_10m [mm]\n" + "".join(
+    f"{12.4 + k / 4000:.5f};{np.sin(k / 9):.3f};{np.cos(k / 7):.2f};1436.{k % 10};{k / 9:.1f};{np.sin(k / 5):.2f}\n"
+    for k in range(500)
+)
+LINE = "position_km,radius_m,cant_mm,gradient_permille,gauge_mm\n" + "".join(
+    f"{12.4 + k / 10},{800 if k > 3 else 0},{100 if k > 3 else 0},2.5,1435\n" for k in range(12)
+)
+
+
+@FUZZ
+@given(
+    text=st.sampled_from([RECORDING, RECORDING.replace(";", "\t"), LINE, LINE.replace(",", ";").replace(".", ",")]),
+    changes=st.lists(CHANGES, min_size=1, max_size=3),
+    bridge=st.sampled_from([0.0, 5.0]),
+)
+def test_changed_recordings(tmp_path, text, changes, bridge):
+    path = tmp_path / "track.csv"
+    path.write_bytes(changed(text.encode(), changes))
+    found = survives(lambda: recording(path, Asked(bridge=bridge)))
+    if found is not None:
+        assert (np.diff(found.samples.position) > 0.0).all()
+        assert all(np.isfinite(values).all() for values in found.samples.channels.values())
+    line = survives(lambda: alignment(path)[0])
+    if line is not None:
+        assert survives(lambda: track.pack(track.Track((line,)))) is None or len(parts(line)) >= 1
 
 
 @pytest.mark.parametrize("name", ["a.ban", "a.mpt", "a.prw", "a.rail", "a.csv"])

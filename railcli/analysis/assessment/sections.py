@@ -9,7 +9,8 @@ from numpy.polynomial.polynomial import polyval
 from railcli.model.assessment import section_length
 from railcli.model.track import pack
 
-STRAIGHT = 1e-4  # curvature below which outer and inner rail mean nothing [1/m]
+from ..parts import STRAIGHT, parts
+
 STEADY = 2e-7  # change of curvature per metre below which a curve is a full one [1/m^2]
 ALIKE = 0.02  # share of its curvature by which two pieces of one curve may differ
 NEARLY = 0.9  # share of its length that makes a section
@@ -100,14 +101,7 @@ def sections(track, start, end, speed, length=None):
 def _stretches(track):
     """Start, end, kind and mean curvature of what belongs together; the first and the last one have no end."""
     merged = []
-    for piece in pack(track):
-        length = float(piece["length"])
-        ends = [float(polyval(u, piece["curvature"])) for u in (0.0, length)]
-        mean = float(polyval(length, np.concatenate([[0.0], piece["curvature"] / np.arange(1, 5)]))) / length
-        kind = "transition" if abs(ends[1] - ends[0]) > STEADY * length else "curve"
-        if kind == "curve" and abs(mean) < STRAIGHT:
-            kind, mean = "straight", 0.0
-        start = float(piece["start"])
+    for start, length, kind, mean in sorted(_simple(track)):
         if merged and _one(merged[-1], kind, mean):
             first, last, _, before = merged[-1]
             share = length / (last - first + length)
@@ -117,6 +111,24 @@ def _stretches(track):
     merged[0] = (-math.inf, *merged[0][1:])
     merged[-1] = (merged[-1][0], math.inf, *merged[-1][2:])
     return merged
+
+
+def _simple(track):
+    """Start, length, kind and mean curvature of the pieces of described sections, and of the parts of measured ones."""
+    measured = [(start, start + one.length, one) for start, one in track.located() if one.kind == "measured"]
+    for start, _, one in measured:
+        yield from ((part.start, part.end - part.start, part.kind, part.curvature) for part in parts(one, start))
+    for piece in pack(track):
+        start, length = float(piece["start"]), float(piece["length"])
+        middle = start + 0.5 * length
+        if any(low < middle < high for low, high, _ in measured):
+            continue
+        ends = [float(polyval(u, piece["curvature"])) for u in (0.0, length)]
+        mean = float(polyval(length, np.concatenate([[0.0], piece["curvature"] / np.arange(1, 5)]))) / length
+        kind = "transition" if abs(ends[1] - ends[0]) > STEADY * length else "curve"
+        if kind == "curve" and abs(mean) < STRAIGHT:
+            kind, mean = "straight", 0.0
+        yield start, length, kind, mean
 
 
 def _one(before, kind, mean):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from railcli.errors import InputError
 
-from ..profiles import plain_text, unreadable
+from ..profiles import profile_text
 from . import columns, miniprof, simpack
 from .measured import Measured
 
@@ -22,7 +22,7 @@ ENDINGS = {
     ".wheel": (columns.read_gensys, "wheel"),
 }
 
-__all__ = ["Measured", "read_points"]
+__all__ = ["ENDINGS", "Measured", "read_points", "recognised"]
 
 
 def read_points(path):
@@ -42,24 +42,22 @@ def read_points(path):
         In one line: file and line, what was found, what is needed.
     """
     path = Path(path)
-    try:
-        if path.is_dir():
-            raise InputError(path, "this is a folder; give a profile file")
-        if not path.exists():
-            raise InputError(path, "there is no such file")
-    except OSError as error:
-        raise unreadable(path, error) from error
-    text = plain_text(path)
-    reader, kind = ENDINGS.get(path.suffix.lower()) or (_recognise(text, path), None)
+    text = profile_text(path)
+    reader, kind = ENDINGS.get(path.suffix.lower()) or (recognised(text) or columns.read, None)
     return reader(path, text, kind)
 
 
-def _recognise(text, path):
+def recognised(text):
+    """The reader of a format that shows in what its files contain; None if nothing shows."""
     head = text[:5000].lower()
     if "[mdi_header]" in head:
-        raise InputError(path, "this is a TeimOrbit file (VI-Rail, ADAMS); export the points as two columns, y and z")
+        return _refuse_teimorbit
     if "header.begin" in head or "spline.begin" in head:
         return simpack.read
     if "columndef=" in head or head.lstrip().startswith(("#mini", "miniprof")):
         return miniprof.read
-    return columns.read
+    return None
+
+
+def _refuse_teimorbit(path, text, kind):
+    raise InputError(path, "this is a TeimOrbit file (VI-Rail, ADAMS); export the points as two columns, y and z")

@@ -1,8 +1,6 @@
-"""Plain text and CSV: y and z in columns, separated by comma, semicolon, blanks or tabs.
+"""Plain text and CSV: y and z in columns, split as `text_table` says; one line of words may name the columns.
 
-Lines that start with ``#``, ``!`` or ``%`` are comments; one line of words before the numbers may name the columns.
-Decimal commas are understood between semicolons, blanks or tabs. A file of GENSYS (.rail, .wheel) is one in mm with y
-towards the track centre.
+A file of GENSYS (.rail, .wheel) is one in mm with y towards the track centre.
 """
 
 import re
@@ -10,31 +8,29 @@ import re
 from railcli.errors import InputError
 
 from ..profiles import MOST_POINTS
-from .measured import Measured, number, points, shown, too_many
+from ..text_table import content, shown, split_of
+from .measured import Measured, points, too_many
 
-COMMENTS = ("#", "!", "%")
 UNITS = {"": None, "mm": 1.0, "m": 1000.0, "in": 25.4, "inch": 25.4}
 NAME = re.compile(r"([xyz])\W*_?\W*(mm|m|in|inch)?\W*", re.ASCII)
-DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", re.ASCII)
 
 
 def read(path, text, kind):
     """Two columns or more; see `read_points`."""
     rows, lines, unit, notes = [], [], None, []
-    order, separate = None, None
-    contents = [(i, line.strip()) for i, line in enumerate(text.splitlines(), start=1)]
-    contents = [(i, line) for i, line in contents if line and not line.startswith(COMMENTS)]
+    order, split = None, None
+    contents = content(text)
     for position, (i, line) in enumerate(contents):
-        if separate is None:
-            fields = _split(line)
-            if order is None and not any(map(_is_number, fields)):
+        if split is None:
+            one = split_of(line)
+            fields = [field for field in one.cells(line) if field]
+            if order is None and not any(one.number(field) is not None for field in fields):
                 order, unit, notes = _header(path, i, fields)
                 continue
-            separate, note = _separator(line)
-            notes += note
-            order = order or (0, 1)
-        fields = separate(line)
-        found = [number(fields[k]) if k < len(fields) else None for k in order]
+            split, order = one, order or (0, 1)
+            notes = [*notes, "decimal commas"] if split.comma and "," in line else notes
+        fields = split.cells(line)
+        found = [split.number(fields[k]) if k < len(fields) else None for k in order]
         if None in found:
             hint = "; the file seems to be cut off here" if position == len(contents) - 1 and rows else ""
             raise InputError(f"{path}, line {i}", f"found {shown(line)}; finite numbers for y and z are needed{hint}")
@@ -50,26 +46,6 @@ def read_gensys(path, text, kind):
     """Two columns in mm, y towards the track centre; see `read_points`."""
     found = read(path, text, kind)
     return Measured(path, "GENSYS", found.y, found.z, found.lines, kind, 1.0, mirrored=True, notes=found.notes)
-
-
-def _is_number(field):
-    return number(field.replace(",", ".")) is not None
-
-
-def _split(line):
-    return [item for item in re.split(r";" if ";" in line else r"[,\s]+", line) if item.strip()]
-
-
-def _separator(line):
-    """Function that splits the rows of a file whose first one is `line`, and what is to be said about it."""
-    blank = line.split()
-    if ";" in line:
-        comma = any(DECIMAL_COMMA.fullmatch(item.strip()) for item in line.split(";"))
-        splitter = lambda row: row.replace(",", ".").split(";") if comma else row.split(";")  # noqa: E731
-    else:
-        comma = len(blank) > 1 and all(DECIMAL_COMMA.fullmatch(item) for item in blank)
-        splitter = lambda row: row.replace(",", ".").split() if comma else _split(row)  # noqa: E731
-    return splitter, ["decimal commas"] if comma else []
 
 
 def _header(path, line, fields):

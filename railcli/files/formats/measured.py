@@ -1,6 +1,5 @@
 """What a reader found in a profile file, and what all readers share."""
 
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,9 +7,7 @@ import numpy as np
 
 from railcli.errors import InputError
 
-from ..profiles import FEWEST_POINTS, LARGEST_NUMBER, MOST_POINTS
-
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?", re.ASCII)
+from ..profiles import FEWEST_POINTS, MOST_POINTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +47,6 @@ class Measured:
     notes: tuple = ()
 
 
-def number(text):
-    """Number of at most LARGEST_NUMBER written out in `text` (a Fortran exponent D is one too), else None."""
-    text = text.strip()
-    if not NUMBER.fullmatch(text):
-        return None
-    value = float(text.replace("D", "E").replace("d", "e"))
-    return value if abs(value) <= LARGEST_NUMBER else None
-
-
 def points(path, rows, lines):
     """Columns and line numbers as arrays once there are enough rows of two numbers, and not too many."""
     if not rows:
@@ -72,8 +60,3 @@ def points(path, rows, lines):
 def too_many(path):
     """The InputError for a file with more points than any profile has."""
     return InputError(path, f"more than {MOST_POINTS} points; thin them out")
-
-
-def shown(line):
-    """A line as an error message shows it."""
-    return repr(line.strip()[:60])

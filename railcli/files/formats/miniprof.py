@@ -12,8 +12,9 @@ import numpy as np
 
 from railcli.errors import InputError
 
-from ..profiles import MOST_POINTS
-from .measured import Measured, number, points, shown, too_many
+from ..profiles import FEWEST_POINTS, MOST_POINTS
+from ..text_table import number, shown, split_of
+from .measured import Measured, points, too_many
 
 COMMENTS = ("!", '"', "%", "#")
 CUT_OFF = 0.9  # fewer rows than this share of the promised ones: the file was cut off
@@ -79,8 +80,16 @@ def _is_comment(line):
     return line.lstrip().startswith(COMMENTS)
 
 
-def _fields(line):
-    return [item for item in re.split(r"[,;\s]+", line.strip()) if item]
+def _fields(line, split=None):
+    """Cells of a row, decimal commas as points; however a row is written, blanks may stand beside its separators."""
+    split = split or split_of(line)
+    return [split.point(part) for cell in split.cells(line) for part in cell.split()]
+
+
+def _numbers(line):
+    """Cells of a line if all of them are numbers, and at least two; else None."""
+    fields = _fields(line)
+    return fields if len(fields) >= 2 and all(number(item) is not None for item in fields) else None
 
 
 def _is_row(line):
@@ -89,22 +98,26 @@ def _is_row(line):
 
 
 def _first_row(lines):
-    """Index of the first row of data: after the last empty line of the header, else the first line of numbers only."""
-    after_empty, plain = None, None
+    """Index of the first row of data: after the last empty line of the header, else the first line of numbers only.
+
+    Numbers in the header's free text are no data: they are no run of FEWEST_POINTS rows before an empty line.
+    """
+    after_empty, plain, run = None, None, 0
     empty = False
     for i, line in enumerate(lines):
         if not line.strip():
             empty = True
         elif _is_comment(line):
             continue
-        elif empty and _is_row(line):
+        elif empty and run < FEWEST_POINTS and _is_row(line):
             after_empty = i
             break
         else:
             empty = False
-            if plain is None and _is_row(line) and all(number(item) is not None for item in _fields(line)):
-                plain = i
-    return plain if after_empty is None or (plain is not None and plain < after_empty) else after_empty
+            numbers = _numbers(line) is not None
+            plain = i if numbers and not run else plain
+            run = run + 1 if numbers else 0 if run < FEWEST_POINTS else run
+    return plain if after_empty is None or (plain is not None and run >= FEWEST_POINTS) else after_empty
 
 
 def _header(lines):
@@ -121,6 +134,7 @@ def _rows(path, lines, first, names, ends_whole):
     ix, iy = names.index("X"), names.index("Y")
     last = max(i for i, line in enumerate(lines) if line.strip())
     rows, numbers, comments = [], [], 0
+    split = split_of(lines[first])
     for i in range(first, last + 1):
         line = lines[i]
         if not line.strip():
@@ -128,7 +142,7 @@ def _rows(path, lines, first, names, ends_whole):
         if _is_comment(line):
             comments += 1
             continue
-        fields = _fields(line)
+        fields = _fields(line, split)
         x = number(fields[ix]) if ix < len(fields) else None
         y = number(fields[iy]) if iy < len(fields) else None
         cut = i == last and not ends_whole and len(fields) < len(names)

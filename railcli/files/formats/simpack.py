@@ -12,7 +12,8 @@ import numpy as np
 from railcli.errors import InputError
 
 from ..profiles import MOST_POINTS
-from .measured import Measured, number, points, shown, too_many
+from ..text_table import number, shown
+from .measured import Measured, points, too_many
 
 KINDS = {0: "rail", 1: "wheel"}
 CLOSEST = (1e-4, 1e-6)  # point.dist.min: default and smallest, in the file's unit
