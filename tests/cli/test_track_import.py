@@ -130,8 +130,9 @@ def test_absolute_cross_level_and_gauge_in_a_run(folder):
 
 def test_from_the_files_to_an_assessment(folder, table):
     """Steady values in the measured curve, and figures by section."""
-    tables.save(table, folder(contact='[contact]\ntable = "table.h5"\nnormal = "hertz"\ncreep_law = "table"') / "table.h5")
-    place = folder(contact='[contact]\ntable = "table.h5"\nnormal = "hertz"\ncreep_law = "table"')
+    contact = '[contact]\ntable = "table.h5"\nnormal = "hertz"\ncreep_law = "table"'
+    tables.save(table, folder(contact=contact) / "table.h5")
+    place = folder(contact=contact)
     result = railcli("run", "scenario", place / "case.toml", "-o", place / "out", "-q", "--no-figures")
     assert result.exit_code == 0, result.stderr
     assert "right-hand curve" in result.stdout and "no steady values" not in result.stdout
