@@ -9,15 +9,13 @@ import scenes
 import tolerances as tol
 from numpy.testing import assert_allclose
 
-from railcli.analysis.build_table import build_table
 from railcli.analysis.certify import direct_minima
 from railcli.analysis.overlap import Law
-from railcli.kernels.heights import POWER, stored
-from railcli.kernels.layout import NODE_CHANNELS, SAMPLE_ROWS, Part
+from railcli.kernels.layout import Part
 from railcli.kernels.step import evaluate
-from railcli.model.contact_table import TableSettings, mount
+from railcli.model.contact_table import mount
 
-LARGE = TableSettings(normal="overlap", y_range=8e-3, roll_range=6e-3, yaw_range=10e-3)
+LARGE = scenes.STRIPS
 ROOT_POSE = (1.221e-3, 4.663e-3)  # roll, yaw at which a minimum of the gap folds as y grows [rad]
 PLACES = (-4e-3, 0.0, 3e-3, 5.2e-3, 6.1e-3, 6.5e-3, 6.9e-3)  # from the tread over the root to the flank [m]
 
@@ -27,25 +25,9 @@ def law(profiles):
     return Law(mount(*profiles, LARGE), LARGE.young, LARGE.poisson)
 
 
-@pytest.fixture(scope="session")
-def heights(profiles):
-    """Table of heights of S1002 on UIC60 over a small range."""
-    return build_table(*profiles, LARGE)[0]
-
-
 def touch(law, y, roll, yaw):
     """Height of first touch [m]."""
     return direct_minima(law.mounting, (y, roll, abs(yaw)), law.stations)[:, 1].min()
-
-
-def look_up(table, y, z, roll, yaw):
-    """Energy and gradient of a table, its patches."""
-    sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
-    count, depth, *gradient = stored(
-        table.record[0], table.cell, table.branch, table.heights, y, roll, yaw, z, sample
-    )
-    assert count >= 0
-    return depth * gradient[1] / POWER, np.array(gradient), sample[:count]
 
 
 def loop(seed, count):
@@ -69,8 +51,8 @@ def test_the_force_is_the_gradient_of_the_energy(law, y):
         ahead[k] += step
         behind[k] -= step
         slope = (law(*ahead).energy - law(*behind).energy) / (2.0 * step)
-        least = tol.ENERGY_SLOPE * found.gradient[1] * 5e-3
-        assert_allclose(found.gradient[k], slope, rtol=tol.ENERGY_SLOPE, atol=least)
+        least = tol.STRIP_SLOPE * found.gradient[1] * 5e-3
+        assert_allclose(found.gradient[k], slope, rtol=tol.STRIP_SLOPE, atol=least)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -91,7 +73,7 @@ def test_no_work_on_closed_paths_of_the_table(heights, law, seed):
     some = np.array([touch(law, y, roll, yaw) for y, _, roll, yaw in path[::40]])
     along = np.arange(-40, 4040)
     path[:, 1] += np.interp(along, np.arange(-1, 101) * 40.0, np.r_[some[-1], some, some[0]])[40:4040] + 70e-6
-    found = [look_up(heights, *pose)[:2] for pose in path]
+    found = [scenes.stored_at(heights, *pose)[:2] for pose in path]
     energy, force = np.array([each[0] for each in found]), np.array([each[1] for each in found])
     move = np.roll(path, -1, axis=0) - path
     work = np.sum(0.5 * (force + np.roll(force, -1, axis=0)) * move)
@@ -112,7 +94,8 @@ def test_vertical_force_grows_through_root_and_flank_at_a_fixed_height(law):
 def test_no_force_jumps_along_fine_sweeps(heights, law, roll, yaw):
     y = np.arange(5.0e-3, 7.2e-3, 50e-9)
     floor = np.interp(y, y[::800], [touch(law, each, roll, yaw) for each in y[::800]])
-    force = np.array([look_up(heights, each, z + 60e-6, roll, yaw)[1][:2] for each, z in zip(y, floor, strict=True)])
+    poses = zip(y, floor + 60e-6, strict=True)
+    force = np.array([scenes.stored_at(heights, *each, roll, yaw)[1][:2] for each in poses])
     assert np.abs(np.diff(force, axis=0)).max() < tol.FINE_SWEEP
 
 
@@ -151,7 +134,7 @@ def test_loads_on_a_wheelset_are_the_gradient_of_the_energies_of_its_wheels(heig
             cr, sr, cy = math.cos(q[3]), math.sin(q[3]), math.cos(q[5])
             y = side * q[1] + (settings.lateral * cr - side * settings.radius * sr) * cy - settings.lateral
             z = q[2] + side * settings.lateral * sr + settings.radius * cr
-            total += look_up(heights, y, z, side * q[3], side * q[5])[0]
+            total += scenes.stored_at(heights, y, z, side * q[3], side * q[5])[0]
         return total
 
     data = system.start()
@@ -165,8 +148,8 @@ def test_loads_on_a_wheelset_are_the_gradient_of_the_energies_of_its_wheels(heig
         slopes[k] = (energy(ahead) - energy(behind)) / (2.0 * step)
     load = data.rail_load[0]
     about_z = math.cos(data.q[0, 3]) * load[5]  # the moment about the wheelset's own down axis, turned to that of yaw
-    assert_allclose(load[1:3], [-slopes[1], -slopes[2]], rtol=tol.ENERGY_SLOPE, atol=1.0)
-    assert_allclose([load[3], about_z], [-slopes[3], -slopes[5]], atol=tol.ENERGY_SLOPE * abs(load[2]) * 0.05, rtol=0)
+    assert_allclose(load[1:3], [-slopes[1], -slopes[2]], rtol=tol.STRIP_SLOPE, atol=1.0)
+    assert_allclose([load[3], about_z], [-slopes[3], -slopes[5]], atol=tol.STRIP_SLOPE * abs(load[2]) * 0.05, rtol=0)
 
 
 def test_shares_of_the_patches_and_places_follow_the_law(heights, law):
@@ -176,7 +159,7 @@ def test_shares_of_the_patches_and_places_follow_the_law(heights, law):
         y, roll, yaw = random.uniform(-6e-3, 6.8e-3), random.uniform(-3e-3, 3e-3), random.uniform(-6e-3, 6e-3)
         z = touch(law, y, roll, yaw) + 70e-6
         direct = law(y, z, roll, abs(yaw))
-        patches = look_up(heights, y, z, roll, yaw)[2]
+        patches = scenes.stored_at(heights, y, z, roll, yaw)[2]
         share = patches[:, Part.SHARE] / patches[:, Part.SHARE].sum()
         mean = direct.patches[:, Part.SHARE] @ direct.patches[:, Part.LATERAL]
         off.append(abs(share @ patches[:, Part.LATERAL] - mean))
