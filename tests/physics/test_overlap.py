@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,13 +10,17 @@ import scenes
 import tolerances as tol
 from numpy.testing import assert_allclose
 
+from railcli.analysis.build_table import build_table
 from railcli.analysis.certify import direct_minima
 from railcli.analysis.overlap import Law
+from railcli.files.profile_import import ImportSettings, import_profile
 from railcli.kernels.layout import Part
 from railcli.kernels.step import evaluate
 from railcli.model.contact_table import mount
 
 LARGE = scenes.STRIPS
+SAMPLES = Path(__file__).parents[1] / "data" / "samples"
+WORN = replace(LARGE, inclination=0.0, y_range=3.5e-3, roll_range=3e-3, yaw_range=8e-3)
 ROOT_POSE = (1.221e-3, 4.663e-3)  # roll, yaw at which a minimum of the gap folds as y grows [rad]
 PLACES = (-4e-3, 0.0, 3e-3, 5.2e-3, 6.1e-3, 6.5e-3, 6.9e-3)  # from the tread over the root to the flank [m]
 
@@ -25,16 +30,23 @@ def law(profiles):
     return Law(mount(*profiles, LARGE), LARGE.young, LARGE.poisson)
 
 
+@pytest.fixture(scope="module")
+def worn():
+    """Measured wheel and rail, smoothed by 4 mm."""
+    smooth, names = ImportSettings(smooth=4e-3), ("whl_left_iter288.whl", "rail_left_iter288.ban")
+    return [import_profile(SAMPLES / name, smooth).profile for name in names]
+
+
 def touch(law, y, roll, yaw):
     """Height of first touch [m]."""
     return direct_minima(law.mounting, (y, roll, abs(yaw)), law.stations)[:, 1].min()
 
 
-def loop(seed, count):
+def loop(seed, count, place=5.6e-3, reach=1.2e-3):
     """Poses (count, 4) of a closed path y, depth, roll, yaw, from the tread to the flank and back."""
     random = np.random.default_rng(seed)
     turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    middle, swing = np.array([5.6e-3, 0.0, 1e-3, 4e-3]), np.array([1.2e-3, 25e-6, 1.5e-3, 2.5e-3])
+    middle, swing = np.array([place, 0.0, 1e-3, 4e-3]), np.array([reach, 25e-6, 1.5e-3, 2.5e-3])
     waves = sum(
         random.normal(size=4) / k * np.sin(k * turn[:, None] + random.uniform(0.0, 2.0 * np.pi, 4)) for k in (1, 2, 3)
     )
@@ -67,19 +79,50 @@ def test_no_work_on_closed_paths_of_the_law(law, seed):
     assert abs(work) < tol.CLOSED_PATH * energy.max()
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_no_work_on_closed_paths_of_the_table(heights, law, seed):
-    path = loop(seed, 4000)
+def pressed_loop(law, seed, count, *where):
+    """A closed path that keeps near to 70 um below first touch."""
+    path = loop(seed, count, *where)
     some = np.array([touch(law, y, roll, yaw) for y, _, roll, yaw in path[::40]])
-    along = np.arange(-40, 4040)
-    path[:, 1] += np.interp(along, np.arange(-1, 101) * 40.0, np.r_[some[-1], some, some[0]])[40:4040] + 70e-6
-    found = [scenes.stored_at(heights, *pose)[:2] for pose in path]
+    along = np.arange(count)
+    path[:, 1] += np.interp(along, np.arange(count // 40 + 1) * 40.0, np.r_[some, some[0]]) + 70e-6
+    return path
+
+
+def check_closed(table, path):
+    """No work around the path, and in each step of it what the energy gains."""
+    found = [scenes.stored_at(table, *pose) for pose in path]
     energy, force = np.array([each[0] for each in found]), np.array([each[1] for each in found])
     move = np.roll(path, -1, axis=0) - path
     work = np.sum(0.5 * (force + np.roll(force, -1, axis=0)) * move)
     assert abs(work) < tol.CLOSED_PATH * energy.max()
     rise = np.diff(energy) - np.sum(0.5 * (force[1:] + force[:-1]) * move[:-1], axis=1)
     assert np.abs(rise).max() < tol.CLOSED_PATH * energy.max()
+    return max(len(each[2]) for each in found)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_work_on_closed_paths_of_the_table(heights, law, seed):
+    check_closed(heights, pressed_loop(law, seed, 4000))
+
+
+def test_no_work_on_closed_paths_of_a_worn_pair(worn):
+    """Whose wheel bears on up to three patches, from the field side to the flange root."""
+    table = build_table(*worn, WORN)[0]
+    law = Law(mount(*worn, WORN), WORN.young, WORN.poisson)
+    assert max(check_closed(table, pressed_loop(law, seed, 4000, -0.5e-3, 2e-3)) for seed in range(4)) > 2
+
+
+@pytest.mark.parametrize("pose", [(4.779e-3, 22.5e-3, 30e-3), (3.32e-3, -25e-3, 0.0), (4.881e-3, -25e-3, 27.39e-3)])
+def test_force_of_a_worn_pair_begins_with_first_touch_and_grows(worn, pose):
+    """Where the outline of a rough wheel folds or runs ahead, and beyond the end of the graph of the rail."""
+    y, roll, yaw = pose
+    law = Law(mount(*worn, WORN), WORN.young, WORN.poisson)
+    z = touch(law, y, roll, yaw)
+    depths = np.arange(5e-6, 400e-6, 5e-6)
+    energy = np.array([law(y, z + depth, roll, yaw).energy for depth in depths])
+    assert energy[1] == 0.0 or energy[1] < 0.1 * energy[10]
+    assert (np.diff(energy, 2)[energy[2:] > 0.0] > -tol.CONVEX * energy.max()).all() and (np.diff(energy) >= 0.0).all()
+    assert energy[-1] > 0.1
 
 
 def test_vertical_force_grows_through_root_and_flank_at_a_fixed_height(law):
