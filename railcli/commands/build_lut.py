@@ -42,8 +42,8 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 @click.option(
     "--normal",
     type=click.Choice(["hertz", "kp", "overlap"]),
-    help="Patches: Hertz's ellipses, non-Hertzian ones by Kik and Piotrowski, or strips under the overlap, whose force "
-    "is the gradient of one energy.  [default: hertz]",
+    help="Patches: Hertz's ellipses, whose force makes or loses energy where contact points end, non-Hertzian ones by "
+    "Kik and Piotrowski, or strips under the overlap, whose force is the gradient of one energy.  [default: hertz]",
 )
 @setting("--fineness", "1", "NUMBER", "With --normal overlap, which chooses its own knots: divides their distances.")
 @click.option(
