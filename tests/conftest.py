@@ -56,6 +56,16 @@ def table(profiles):
 
 
 @pytest.fixture(scope="session")
+def heights(profiles):
+    """Table of heights of S1002 on UIC60 over a small range."""
+    import scenes
+
+    from railcli.analysis.build_table import build_table
+
+    return build_table(*profiles, scenes.STRIPS)[0]
+
+
+@pytest.fixture(scope="session")
 def wagon(table):
     """The Manchester wagon in its curve at 45 m/s, on the small table."""
     import scenes

@@ -8,7 +8,18 @@ import numpy as np
 from benchmarks.speed import numpy_twin
 from railcli.analysis.build_table import build_table
 from railcli.files.scenario import load
-from railcli.kernels.layout import BODY, ELEMENT, JOINT, SHIFT_CHANNELS, WHEEL, freeze, new_data
+from railcli.kernels.heights import POWER, stored
+from railcli.kernels.layout import (
+    BODY,
+    ELEMENT,
+    JOINT,
+    NODE_CHANNELS,
+    SAMPLE_ROWS,
+    SHIFT_CHANNELS,
+    WHEEL,
+    freeze,
+    new_data,
+)
 from railcli.kernels.step import advance, evaluate
 from railcli.model.contact_table import TableSettings
 from railcli.model.profile import Profile
@@ -19,6 +30,7 @@ from railcli.model.track import Curve, Straight, Track, Transition, pack
 from railcli.model.vehicle import Body, Vehicle
 
 SMALL = TableSettings(normal="hertz", y_range=10e-3, roll_range=7.5e-3, yaw_range=30e-3 * 0.2**0.5, yaw_count=3)
+STRIPS = TableSettings(y_range=8e-3, roll_range=6e-3, yaw_range=10e-3)
 HEAD = 0.3  # radius of the round rail [m]
 WINDING = Track(  # something of everything
     (
@@ -163,6 +175,16 @@ def run(system, data, seconds):
     steps = round(seconds / system.model.param[0]["step"])
     assert advance(system.model, data, steps) == 0
     return data
+
+
+def stored_at(table, y, z, roll, yaw):
+    """Energy and gradient of a table of heights, its patches."""
+    sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
+    count, depth, *gradient = stored(
+        table.record[0], table.cell, table.branch, table.heights, y, roll, yaw, z, sample
+    )
+    assert count >= 0
+    return depth * gradient[1] / POWER, np.array(gradient), sample[:count]
 
 
 def cone(angle):

@@ -95,7 +95,10 @@ def _of_branches(rows):
 
 
 class Strips:
-    """The law of strips, directly; called with pose, height z of T and minima of D. Patches: strips side by side."""
+    """The law of strips, directly; called with pose, height z of T and minima of D.
+
+    Patches: strips that bear, with those between them while the bodies overlap from one to the other.
+    """
 
     def __init__(self, mounting, settings):
         self.law = Law(mounting, settings.young, settings.poisson)
@@ -104,10 +107,12 @@ class Strips:
     def __call__(self, pose, z, minima):
         bearing = self.law(pose[0], z, pose[1], pose[2], minima)
         load, row = bearing.line_load * self.width, bearing.overlap
-        bears = np.concatenate([[False], load > 0.0, [False]])
-        first, last = np.flatnonzero(bears[1:] & ~bears[:-1]), np.flatnonzero(bears[:-1] & ~bears[1:])
-        if first.size == 0:
+        bears = np.flatnonzero(load > 0.0)
+        if bears.size == 0:
             return Load(0.0, 0.0, *np.zeros((5, 0)))
+        clear = np.cumsum(~(row["h"] > 0.0))[bears]
+        ends = np.flatnonzero(np.diff(clear)) + 1
+        first, last = bears[np.r_[0, ends]], bears[np.r_[ends - 1, bears.size - 1]] + 1
         of_run = np.add.reduceat
         runs = np.column_stack([first, np.minimum(last, load.size - 1)]).ravel()
         if last[-1] == load.size:

@@ -42,7 +42,7 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
     "--normal",
     type=click.Choice(["overlap", "hertz"]),
     help="Patches: strips under the overlap, whose force is the gradient of one energy, or Hertz's ellipses at rigid "
-    "contact points.  [default: overlap]",
+    "contact points, whose force makes or loses energy where these end.  [default: overlap]",
 )
 @setting("--fineness", "1", "NUMBER", "With --normal overlap, which chooses its own knots: divides their distances.")
 @click.option(

@@ -15,7 +15,7 @@ from .overlap import OVERLAP, spread
 from .strips import CHI, CHI_RANGE, LANE_ROWS, LANES, press
 
 FIRST_DEPTH = 30e-6  # beyond first touch, where the search for the first height begins [m]
-TRIES = 6
+TRIES = 10
 NEAR = 0.03  # difference from a wanted w that a tangent bridges [-]
 DEEPER = 2.5  # times as deep where first touch falls between strips
 RESTART = 0.3  # least share of its depth that a try may keep
@@ -291,6 +291,7 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
         touch = np.inf
         for j in range(count):
             touch = min(touch, found[i, j, 1])
+        clear = touch
         chi[:] = CHI
         q[:] = 0.0
         z, rate, value = touch + FIRST_DEPTH, 0.0, 0.0
@@ -303,7 +304,7 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
                 stretch(levels[level] / value, strip, q, h)
             else:
                 q[:] = LOOSE * elastic * FIRST_DEPTH
-            n = 0
+            n, deep = 0, np.inf
             for turn in range(TRIES):
                 energy, force, n = pressed_to(
                     z, y[i], e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, tolerance, most,
@@ -313,13 +314,15 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
                 if not energy > 0.0:
                     if turn == TRIES - 1:
                         return -1
-                    z = touch + DEEPER * (z - touch)
+                    clear = max(clear, z)
+                    z = 0.5 * (clear + deep) if deep < np.inf else touch + DEEPER * (z - touch)
                     continue
+                deep = z
                 value = energy**POWER
                 rate = energy / (POWER * value * force)
                 if abs(levels[level] - value) < NEAR * levels[level] or turn == TRIES - 1:
                     break
-                z = max(z + (levels[level] - value) * rate, touch + RESTART * (z - touch))
+                z = max(z + (levels[level] - value) * rate, clear + RESTART * (z - clear))
             heights[i, level] = z + (levels[level] - value) * rate
             past[1, level], past_chi[1, level] = past[0, level], past_chi[0, level]
             past[0, level], past_chi[0, level], past_rate[level] = q, chi, rate

@@ -13,6 +13,9 @@ from .jit import kernel
 
 NEAR = 2e-7  # distance from a strip's normal that the outline's tangent bridges: 2e-12 of the overlap [m]
 STEPS = 12
+PACES = 0.2, 5.0  # limits of the pace that two steps show over that of the outline's direction
+LOST = 2e-6  # distance from a strip's normal after as many steps: the search went astray [m]
+SCANNED, PITCH = 60, 25e-6  # stations to each side in the search that is done then, and their distance [m]
 LEAST_MOVE = 0.05e-3  # between strips from which the pace along the wheel is taken [m]
 LEAST_LEAN = 0.3  # cosine between the normals of wheel and rail below which a strip does not count
 LEAST_FALL = 0.1  # downward component of the wheel's normal from which the pace of the search is taken
@@ -57,6 +60,24 @@ def outline(s, e, f, d, r0, wheel, w0, wh):
 
 
 @kernel
+def deepest(s, ny, nz, out_y, out_z, e, f, d, r0, wheel, w0, wh):
+    """Where the outline around s crosses a strip's normal, the deepest of several; s itself where it does not [m].
+
+    A rough wheel at a large yaw has an outline that folds, or runs several times as far as its profile coordinate.
+    """
+    best, depth, old = s, -np.inf, 0.0
+    for k in range(-SCANNED, SCANNED + 1):
+        at = s + k * PITCH
+        _, py, pz, _, _, _ = outline(at, e, f, d, r0, wheel, w0, wh)
+        off = (py - out_y) * nz - (pz - out_z) * ny
+        h = (py - out_y) * ny + (pz - out_z) * nz
+        if k > -SCANNED and old < 0.0 <= off and h > depth:
+            best, depth = at - PITCH * off / (off - old), h
+        old = off
+    return best
+
+
+@kernel
 def overlap(row, strip, s, y, z, e, f, d, r0, wheel, w0, wh):
     """Fill the OVERLAP of one strip; returns the profile coordinate of the wheel on its normal [m].
 
@@ -65,15 +86,26 @@ def overlap(row, strip, s, y, z, e, f, d, r0, wheel, w0, wh):
     ny, nz = strip["normal_y"], strip["normal_z"]
     out_y, out_z = strip["y"] - y, strip["z"] - z
     x, py, pz, wy, wz, radius, off, lean = 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0
-    for _ in range(STEPS):
-        x, py, pz, wy, wz, radius = outline(s, e, f, d, r0, wheel, w0, wh)
-        off = (py - out_y) * nz - (pz - out_z) * ny
-        lean = wy * ny + wz * nz
-        s -= off * max(wz, LEAST_FALL) / max(lean, LEAST_LEAN)
-        if abs(off) < NEAR:
+    for attempt in range(2):
+        before, move = 0.0, 0.0
+        for _ in range(STEPS):
+            x, py, pz, wy, wz, radius = outline(s, e, f, d, r0, wheel, w0, wh)
+            off = (py - out_y) * nz - (pz - out_z) * ny
+            lean = wy * ny + wz * nz
+            pace = max(wz, LEAST_FALL) / max(lean, LEAST_LEAN)
+            turn = pace * (before - off)
+            if move * turn > 0.0 and PACES[0] < move / turn < PACES[1]:
+                pace *= move / turn
+            before, move = off, pace * off
+            s -= move
+            if abs(off) < NEAR:
+                break
+        if abs(off) < LOST or attempt == 1:
             break
+        s = deepest(s + move, ny, nz, out_y, out_z, e, f, d, r0, wheel, w0, wh)
     across = (wz * ny - wy * nz) / max(lean, LEAST_LEAN)
-    row["h"] = (py - out_y) * ny + (pz - out_z) * nz - off * across if lean > LEAST_LEAN else 0.0
+    met = lean > LEAST_LEAN and abs(off) < LOST
+    row["h"] = (py - out_y) * ny + (pz - out_z) * nz - off * across if met else 0.0
     share = 1.0 / max(lean, LEAST_LEAN)
     row["by_y"], row["by_z"] = share * wy, share * wz
     row["by_roll"] = share * (wz * (f[0] * py - f[1] * x) - wy * f[0] * pz)

@@ -8,7 +8,7 @@ import numpy as np
 from railcli.kernels.difference import height
 from railcli.kernels.strips import STRIP
 
-STEEPEST = 4.0  # slope of a rail beyond which there are no strips [-]
+BEYOND = 8e-3  # of the surface beyond the ends of the rail's graph, along its last tangent, has strips too [m]
 HAT = 6e-3  # distance of the nodes of the slenderness factor along the rail [m]
 WIDTHS = (  # contact angle [rad] and width there [m], linear between: patches are the narrower the steeper
     (math.radians(4.0), 0.4e-3),
@@ -61,7 +61,8 @@ def strips_of(mounting, fineness=1.0):
             middle = y + 0.5 * way * advance(y, slope)
             step = advance(y, height(*graph, middle)[1])
             after = y + way * step
-            if abs(slope) > STEEPEST or not ends[0] <= after <= ends[1]:
+            over = max(ends[0] - after, after - ends[1], 0.0)
+            if over * math.hypot(1.0, slope) > BEYOND:
                 break
             found.append((y + 0.5 * way * step, step))
             y = after

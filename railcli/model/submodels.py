@@ -55,7 +55,10 @@ CREEP_LAWS = {
 
 NORMAL_LAWS = {  # value: what the contact table holds beside rigid contact points
     "hertz": Choice(
-        "", "Hertz's ellipse from the curvatures at the rigid contact point", "Hertz (1882); Johnson (1985)"
+        "",
+        "Hertz's ellipse from the curvatures at each rigid contact point; where points join or end, as at the flange "
+        "root, its force makes or loses energy: there use overlap",
+        "Hertz (1882); Johnson (1985); theory.md 6.4",
     ),
     "overlap": Choice(
         "heights",

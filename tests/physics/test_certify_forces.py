@@ -1,6 +1,7 @@
 """The certificate of forces: direct laws against closed forms and energies, faults of tables that it must see."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import naive
@@ -18,6 +19,8 @@ from railcli.analysis.overlap import Law
 from railcli.analysis.refine import refine_knots
 from railcli.analysis.rigid_contact import fine_stations
 from railcli.errors import CheckError
+from railcli.files.profile_import import ImportSettings, import_profile
+from railcli.kernels.difference import slope_difference, wheel_axes
 from railcli.kernels.layout import Node
 from railcli.model.contact_table import TableSettings, mount
 from railcli.model.heights import places
@@ -152,6 +155,28 @@ def test_heights_that_are_off_are_told(monkeypatch):
     assert forces.shortcomings(forces.certify_forces(table, *pair, 200)) == []
     told = forces.certify_forces(replace(table, heights=heights), *pair, 200)
     assert_allclose([told["normal_percent"][size] for size in forces.SIZES], 1.5, atol=tol.CONE_STRIPS_PERCENT)
+
+
+def test_a_rough_wheel_bears_with_gaps_within_one_patch():
+    """Strips that bear in two groups while the outlines overlap without a break, seen by the difference surface."""
+    samples, smooth = Path(__file__).parents[1] / "data" / "samples", ImportSettings(smooth=4e-3)
+    pair = [import_profile(samples / name, smooth).profile for name in ("Car7216_0001r.whl", "avg_low2.ban")]
+    settings = replace(TREAD, inclination=0.0)
+    mounting, pose = mount(*pair, settings), (-3.54e-3, 6.62e-3, 2.25e-3)
+    minima = minima_of(mounting, pose)
+    touch, cosine = forces.first_touch(mounting, pose, minima)
+    z = touch + 94e-6 / cosine
+    bearing = Law(mounting, TREAD.young, TREAD.poisson)(pose[0], z, *pose[1:], minima)
+    bears = bearing.line_load > 0.0
+    assert np.count_nonzero(np.diff(bears.astype(int)) == 1) == 2
+    first, last = np.flatnonzero(bears)[[0, -1]]
+    axes = wheel_axes(*pose[1:])
+    places = np.linspace(*bearing.overlap["lateral"][[first, last]], 200)
+    depth = [slope_difference(s, pose[0], *axes, *mounting.kernel_arguments)[1] for s in places]
+    assert max(depth) < z
+    load = forces.direct(mounting, settings)(pose, z, minima)
+    assert load.share.size == 1
+    assert load.high[0] - load.low[0] == pytest.approx(places[-1] - places[0])
 
 
 def load_of(*patches):
