@@ -342,7 +342,7 @@ DRAWN_CONTACT = 5e-6  # [m] the picture leaves out yaw: a flank of 60 degrees un
 # --- Assessment ---
 FILTER_GAIN = 1e-6  # in the middle of a long sine, where the ends' transients have died away
 FILTER_EXACT = 1e-10  # rounding of a constant through recursive sections
-SLIDING = 1e-5  # relative: cubic spline through 40 samples a wavelength, error (pi / 40)^4 / 6
+SLIDING_MEAN = 1e-5  # relative: cubic spline through 40 samples a wavelength, error (pi / 40)^4 / 6
 PRINTED_THREE = 6e-4  # of a magnitude printed with three decimals
 WEIGHTED = 1e-9  # the filter works on the spectrum: a whole number of periods leaves rounding only
 WEIGHTED_START = 2e-4  # of the amplitude: the reflection at an end is no sine; what is left of it 10 s later
@@ -361,7 +361,7 @@ RECORD_END = 0.02  # of the amplitude: a high-pass of 0.4 Hz that started backwa
 
 # --- Linear vertical model ---
 CLOSED_RESPONSE = 1e-8  # relative: the same equations solved in another order; contact forces are small differences
-LONG_WAVE = 2e-3  # relative: squares of 0.02 Hz over the car body's 1 Hz
+VERTICAL_WAVE = 2e-3  # relative: squares of 0.02 Hz over the car body's 1 Hz
 SAMPLED_RESPONSE = 0.01  # inputs run straight between samples: 3e-6 of the height, times the contact's stiffness
 MIRRORED_RUN = 1e-9  # [m] rounding, grown over 4 s; measured 2e-14
 FOLLOWED = 1.5e-3  # [m] a wheelset of low conicity stops within a part of its clearance
@@ -403,7 +403,7 @@ STRIKE = 0.06  # of a peak: at 1 ms the force is seen once in each millisecond o
 
 # --- Normal contact on elements ---
 CONE_HERTZ = 1e-4  # places between nodes move the rolling radius by 1e-6 m, and the load by its depth
-CONE_PLACE = 1e-6  # [m] as BENCH_PLACE
+CHECKED_PLACE = 1e-6  # [m] as BENCH_PLACE
 ELEMENT_FORCE = 1e-3  # of Hertz's, 40 by 60 elements over the ellipse; measured 2e-4
 ELEMENT_PRESSURE = 2e-3  # uniform over an element: the mean about the middle, and half an element beside it
 ELEMENT_AREA = 0.01  # strips end between elements; measured 0.4 %
@@ -434,7 +434,7 @@ STRIP_PLACE = 0.05e-3  # [m] where loads of strips of 0.4 mm balance
 
 # --- Certificate of forces ---
 CONE_APPROACH = 1e-10  # Hertz's law itself; measured 1e-12
-CONE_LOAD_CENTRE = 1e-5  # [m] half ellipses of kp bend with the circle of the head; measured 4e-6
+CONE_LOAD_CENTRE = 1e-6  # [m] places by the search along the locus
 CONE_LOAD_ANGLE = 2e-5  # [rad] that place over the radius of the head
 FORCE_OF_ENERGY = 3e-4  # differences over 5e-8 m of energies whose influences are in single precision; measured 1e-4
 NODE_FORCE = 1e-8  # [%] rounding
@@ -444,7 +444,6 @@ CONE_TABLE_MM = 1e-6
 CONE_STRIPS_PERCENT = 0.05  # 1.493 after the second order, and 0.016 of the table itself
 INFLUENCE = 5e-5  # the polynomial is within 3.2e-5
 INFLUENCE_SLOPE = 1e-3  # and what follows from its slope within 6.4e-4
-SINGLE = 1e-6  # numbers in single precision, some operations
 HERTZ_STRIPS = 5e-3  # eight strips over a half width, of at most a quarter of their half length
 ENERGY_START = 1e-5  # iterations end when they add 1e-8, which falls slowly in what the energy hardly feels
 

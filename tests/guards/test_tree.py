@@ -1,5 +1,6 @@
-"""What must not lie in the repository: lock files and names of package registries."""
+"""What must not lie in the repository: lock files, names of package registries, tolerances of two meanings."""
 
+import ast
 import shutil
 import subprocess
 from pathlib import Path
@@ -34,3 +35,11 @@ def test_no_lock_file(files):
 def test_no_registry_is_named(files):
     words = [word.encode() for word in REGISTRIES + INDEX_SETTINGS]
     assert [(path, word) for path in files for word in words if word in path.read_bytes()] == []
+
+
+def test_a_tolerance_has_one_meaning():
+    """The second of two of one name would silently be that of all tests of the first."""
+    tree = ast.parse((ROOT / "tests" / "tolerances.py").read_text(encoding="utf-8"))
+    names = [target.id for node in tree.body if isinstance(node, ast.Assign) for target in node.targets]
+    assert len(names) > 100
+    assert sorted(name for name in set(names) if names.count(name) > 1) == []

@@ -72,7 +72,7 @@ def test_sliding_mean_of_a_sine(wavelength):
     centres = np.arange(10.0, 190.0, 0.5)
     found = indices.sliding_mean(s, np.sin(2.0 * np.pi * s / wavelength), 2.0, centres)
     expected = np.sinc(2.0 / wavelength) * np.sin(2.0 * np.pi * centres / wavelength)
-    np.testing.assert_allclose(found, expected, atol=tol.SLIDING)
+    np.testing.assert_allclose(found, expected, atol=tol.SLIDING_MEAN)
 
 
 def test_sliding_mean_follows_the_distance_not_the_samples():
@@ -99,7 +99,7 @@ def test_sliding_rms_of_a_sine():
         k = 2.0 * np.pi / wavelength
         found = indices.sliding_rms(s, 5.0 * np.sin(k * s), 100.0, centres)
         square = 0.5 - np.cos(2.0 * k * centres) * np.sin(100.0 * k) / (200.0 * k)
-        np.testing.assert_allclose(found, 5.0 * np.sqrt(square), rtol=tol.SLIDING)
+        np.testing.assert_allclose(found, 5.0 * np.sqrt(square), rtol=tol.SLIDING_MEAN)
 
 
 def test_percentiles_of_known_distributions():
