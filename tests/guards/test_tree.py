@@ -40,6 +40,6 @@ def test_no_registry_is_named(files):
 def test_a_tolerance_has_one_meaning():
     """The second of two of one name would silently be that of all tests of the first."""
     tree = ast.parse((ROOT / "tests" / "tolerances.py").read_text(encoding="utf-8"))
-    names = [target.id for node in tree.body if isinstance(node, ast.Assign) for target in node.targets]
+    names = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
     assert len(names) > 100
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
