@@ -3,6 +3,7 @@
 import click
 
 from .options import results_options
+from .terminal import Terminal
 
 
 @click.group(short_help="Compare with published results.")
@@ -36,21 +37,19 @@ def manchester(sensitivity, disturbance, no_figures, output_format, output, over
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
     from railcli.files.scenario import load
-    from railcli.files.tables import tables_for
     from railcli.report import disturbance as disturbances
     from railcli.report import validation
+    from railcli.studies.tables import tables_for
 
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
+    voice = Terminal(quiet)
 
     reference, criteria = manchester_reference(), manchester_criteria()
     scenarios = [load(f"curve-1200-{speed:g}") for speed in reference.speeds]
     other = scenarios[0].varied(contact={"inclination": 40.0})
     with results_folder("validate", "manchester", output, overwrite) as folder:
-        warm(announce)
-        tables = tables_for(scenarios[0], quiet, announce)
-        other_tables = tables_for(other, quiet, announce)
+        warm(voice.announce)
+        tables = tables_for(scenarios[0], voice)
+        other_tables = tables_for(other, voice)
         with Progress("Validate", 30, "steps", quiet) as progress:
             result = compare_manchester(
                 reference, criteria, scenarios, tables, (other, other_tables), progress.update
@@ -110,13 +109,11 @@ def curves(creep_law, normal, no_figures, output_format, output, overwrite, quie
     from railcli.files.output import json_text, results_folder, write_json, write_text
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
-    from railcli.files.tables import tables_for
     from railcli.model.submodels import CREEP_LAWS, NORMAL_LAWS, choose
     from railcli.report import curves_validation as report
+    from railcli.studies.tables import tables_for
 
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
+    voice = Terminal(quiet)
 
     laws = {}
     for key, option, registry, name in (
@@ -128,10 +125,11 @@ def curves(creep_law, normal, no_figures, output_format, output, overwrite, quie
     reference, criteria = curves_reference(), curves_criteria()
     curve, wagon, wide = curves_scenarios(laws)
     with results_folder("validate", "curves", output, overwrite) as folder:
-        warm(announce)
+        warm(voice.announce)
         with Progress("Validate", 100, "%", quiet) as progress:
             result = compare_curves(
-                reference, criteria, curve, wagon, wheelset_of(wagon), wide, lambda case: tables_for(case, True),
+                reference, criteria, curve, wagon, wheelset_of(wagon), wide,
+                lambda case: tables_for(case, Terminal(quiet=True)),
                 lambda share, text: progress.update(round(100 * share), text),
             )  # fmt: skip
         origin = provenance(result.curves[NOMINAL].scenario)
@@ -206,21 +204,20 @@ def contact(no_figures, output_format, output, overwrite, quiet):
     from railcli.analysis.contact_check import compare_contact
     from railcli.analysis.warm import warm
     from railcli.errors import CheckError
-    from railcli.files.contact_reference import benchmark_tables, benchmark_wheelset, contact_criteria, published
+    from railcli.files.contact_reference import benchmark_wheelset, contact_criteria, published
     from railcli.files.output import json_text, results_folder, write_json, write_text
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
     from railcli.report import contact_figures
     from railcli.report import contact_validation as report
+    from railcli.studies.tables import benchmark_tables
 
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
+    voice = Terminal(quiet)
 
     reference, criteria = published(), contact_criteria()
     with results_folder("validate", "contact", output, overwrite) as folder:
-        warm(announce)
-        tables = benchmark_tables(quiet, announce)
+        warm(voice.announce)
+        tables = benchmark_tables(voice)
         with Progress("Validate", 100, "%", quiet) as progress:
             result = compare_contact(
                 reference, criteria, benchmark_wheelset(), tables,

@@ -17,8 +17,9 @@ FLOORS = {
     "files": 3,
     "report": 4,
     "runtime": 4,
-    "commands": 5,
-    "cli": 6,
+    "studies": 5,
+    "commands": 6,
+    "cli": 7,
 }
 OUTSIDE_KERNELS = {"math", "enum", "typing", "numpy", "numba"}
 UNSAFE_MODULES = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
