@@ -39,7 +39,7 @@ def scenario(
       railcli run scenario curve-300 -o tight-curve
       railcli run scenario my-curve.toml --speed 30
     """
-    from railcli.files.scenario import builtin_scenarios, load, varied
+    from railcli.files.scenario import builtin_scenarios, load
 
     if only_list:
         scenarios = builtin_scenarios()
@@ -48,14 +48,14 @@ def scenario(
             click.echo(f"{name.ljust(width)}  {title}")
         return
     from railcli.errors import SimulationError
+    from railcli.files.changes import changed
     from railcli.files.output import results_folder
     from railcli.studies.run import run as run_scenario
 
+    given = {"run.speed_m_per_s": speed, "run.step_ms": step, "contact.friction": friction}
+    changes = {key: value for key, value in given.items() if value is not None}
     case = load(scenario or DEFAULT_SCENARIO)
-    changes = ("run", "speed_m_per_s", speed), ("run", "step_ms", step), ("contact", "friction", friction)
-    for group, key, value in changes:
-        if value is not None:
-            case = varied(case, group, key, value)
+    case = changed(case, changes) if changes else case
     with results_folder("run", case.name, output, overwrite) as folder:
         answer = run_scenario(case, folder, contact, not no_figures, not no_assessment, Terminal(quiet))
     show(answer, output_format)

@@ -11,7 +11,8 @@ def one_thread():
 
 def scenario_of(name, default, speed=None):
     """A built-in or a user's scenario, with another speed [m/s] where one is given."""
-    from railcli.files.scenario import load, varied
+    from railcli.files.changes import changed
+    from railcli.files.scenario import load
 
     case = load(name or default)
-    return case if speed is None else varied(case, "run", "speed_m_per_s", speed)
+    return case if speed is None else changed(case, {"run.speed_m_per_s": speed})
