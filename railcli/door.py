@@ -279,6 +279,9 @@ def run(
         with output.results_folder("run", model.name, folder or f"{temporary}/results", overwrite) as into:
             answer = study(model, into, contact, figures, assessment, voice)
         results = Results(into) if answer["rows"] else None
+    except KeyboardInterrupt as stop:
+        _vanish(temporary)
+        raise KeyboardInterrupt(*(() if temporary else stop.args)) from None
     except BaseException:
         _vanish(temporary)
         raise
