@@ -14,7 +14,6 @@ STILL_LONG = {  # commands that hold a study themselves; whoever moves one out t
     "railcli.commands.build_lut: _build",
     "railcli.commands.contact: contact",
     "railcli.commands.profile: shape_options",
-    "railcli.commands.report: report",
     "railcli.commands.rt_bench: _measure",
 }
 
