@@ -2,6 +2,7 @@
 
 import json
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import railcli
 from railcli.cli import main
 from railcli.files import tables
 
+EXAMPLE = next((Path(__file__).parents[2] / "examples/recording").glob("*.toml"))
 HEAVY = {"numpy", "numba", "scipy", "pandas", "matplotlib", "pydantic", "h5py", "rich", "click", "typing"}
 
 
@@ -95,6 +97,15 @@ def test_a_scenario_comes_from_a_dictionary_too():
     assert table == {"run": {"speed_kmh": 72}, "track": [{"kind": "straight", "length_m": 200}], "vehicle": "y25-empty"}
 
 
+def test_what_a_scenario_has_read_stays_with_its_copies(tmp_path, monkeypatch):
+    """Recordings and profiles beside its file, which nobody could find from the working directory."""
+    monkeypatch.chdir(tmp_path)
+    case = railcli.load(EXAMPLE)
+    other = case.replace(friction=0.123)
+    assert other != case == other.replace(friction=case["friction"])
+    assert other.replace(name="x") == other
+
+
 def test_what_excludes_another_value_takes_its_place(scenario):
     timed = scenario.replace(duration_s=2.0, average_over_m=5)
     assert timed.replace(distance_m=30.0).model.run.duration is None
@@ -116,6 +127,7 @@ def test_what_excludes_another_value_takes_its_place(scenario):
         ({"vehicle": "y25-ladn"}, ["did you mean 'y25-laden'"]),
         ({"run.speed_m_per_s.x": 1}, ["run.speed_m_per_s.x: ", "no table"]),
         ({"run..speed": 1}, ["'run..speed': no key"]),
+        ({"irregularity[1].chord_m": 10}, ["irregularity[1].chord_m: goes with the file", "all of irregularity[1]"]),
         ({"duration_s": 1.0, "distance_m": 10.0}, ["either distance_m or duration_s"]),
     ],
 )
