@@ -19,6 +19,7 @@ from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
 from railcli.commands.track import track
 from railcli.commands.validate import validate
+from railcli.commands.vehicle import scenario, vehicle
 from railcli.errors import RailcliError
 
 INTERRUPTED = 130
@@ -87,7 +88,7 @@ def main(debug):
 
 
 for _command in (
-    profile, build_lut, contact, conicity, track, run, assess, report, diff, export, modes, critical_speed, rt_bench,
-    validate,
+    profile, build_lut, contact, conicity, track, vehicle, scenario, run, assess, report, diff, export, modes,
+    critical_speed, rt_bench, validate,
 ):  # fmt: skip
     main.add_command(_command)

@@ -44,12 +44,26 @@ def _one_line(text):
 
 
 class SimulationError(RailcliError):
-    """A run ended before its time; what was computed until then is kept."""
+    """A run ended before its time; what was computed until then is kept.
+
+    Attributes
+    ----------
+    results : railcli.Results or None
+        Of a run in Python: where it is kept.
+    """
 
     exit_code = 3
+    results: object = None
 
 
 class CheckError(RailcliError):
-    """A comparison or a ``--check`` found a difference beyond its tolerance."""
+    """A comparison or a ``--check`` found a difference beyond its tolerance.
+
+    Attributes
+    ----------
+    answer : railcli.Answer or None
+        Of a comparison in Python: all of it.
+    """
 
     exit_code = 4
+    answer: object = None

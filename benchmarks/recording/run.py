@@ -21,11 +21,11 @@ from railcli.analysis.faults import copied  # noqa: E402
 from railcli.analysis.simulate import settled_start  # noqa: E402
 from railcli.analysis.step_choice import with_step  # noqa: E402
 from railcli.files.scenario import DEFAULT_SCENARIO, load  # noqa: E402
-from railcli.files.tables import tables_for  # noqa: E402
 from railcli.kernels.recording import forget_done, new_rows, new_stream  # noqa: E402
 from railcli.kernels.step import advance, record_rows  # noqa: E402
 from railcli.model.low_pass import low_pass  # noqa: E402
 from railcli.model.system import assemble  # noqa: E402
+from railcli.studies.tables import tables_for  # noqa: E402
 
 INTERVAL = 10e-3  # of rows [s]
 ROWS, ROUNDS = 50, 300
@@ -35,7 +35,7 @@ RUN_IN = 10.0  # [s]
 def main():
     """Print the table."""
     case = load(sys.argv[1] if len(sys.argv) > 1 else DEFAULT_SCENARIO)
-    case, system, choice = with_step(case, assemble(case, tables_for(case, quiet=True)))
+    case, system, choice = with_step(case, assemble(case, tables_for(case)))
     model, stride = system.model, round(INTERVAL / choice.step)
     start = settled_start(system)
     advance(model, start, round(RUN_IN / choice.step))

@@ -23,12 +23,12 @@ from railcli.analysis.warm import warm_tables  # noqa: E402
 from railcli.files.profiles import load_profile  # noqa: E402
 from railcli.files.provenance import provenance  # noqa: E402
 from railcli.files.scenario import load  # noqa: E402
-from railcli.files.tables import tables_for  # noqa: E402
 from railcli.kernels.stages import Stage, repeat  # noqa: E402
 from railcli.model.contact_table import TableSettings  # noqa: E402
 from railcli.model.submodels import CREEP_LAWS  # noqa: E402
 from railcli.model.system import assemble  # noqa: E402
 from railcli.runtime import timing  # noqa: E402
+from railcli.studies.tables import tables_for  # noqa: E402
 
 SCENARIO = "curve-1200-45"
 ROUNDS = 15
@@ -39,11 +39,11 @@ STARTS = 5
 HELP = "import sys; sys.argv = ['railcli', '--help']; from railcli.cli import main; main()"
 FIRST_STEP = f"""
 from railcli.files.scenario import load
-from railcli.files.tables import tables_for
+from railcli.studies.tables import tables_for
 from railcli.kernels.step import advance
 from railcli.model.system import assemble
 scenario = load("{SCENARIO}")
-system = assemble(scenario, tables_for(scenario, quiet=True))
+system = assemble(scenario, tables_for(scenario))
 raise SystemExit(int(advance(system.model, system.start(), 1)))
 """
 

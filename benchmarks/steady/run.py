@@ -22,7 +22,6 @@ from railcli.analysis.faults import copied  # noqa: E402
 from railcli.analysis.linear import linear_about  # noqa: E402
 from railcli.errors import SimulationError  # noqa: E402
 from railcli.files.scenario import load  # noqa: E402
-from railcli.files.tables import tables_for  # noqa: E402
 from railcli.kernels.layout import Status, freeze  # noqa: E402
 from railcli.kernels.recording import new_rows  # noqa: E402
 from railcli.kernels.step import record  # noqa: E402
@@ -30,6 +29,7 @@ from railcli.model.sections import Curve, Straight, Transition  # noqa: E402
 from railcli.model.submodels import CREEP_LAWS  # noqa: E402
 from railcli.model.system import assemble  # noqa: E402
 from railcli.model.track import Track, pack  # noqa: E402
+from railcli.studies.tables import tables_for  # noqa: E402
 
 CURVES = {150.0: 0.10, 300.0: 0.09, 1200.0: 0.09, 5000.0: 0.09}  # radius: cant [m]
 SPEEDS = {  # radius: speeds at which a vehicle can go there [m/s]
@@ -118,7 +118,7 @@ def system_of(case, tables=None):
     curve = Curve(length=LONGEST + LONGEST_TIME * case.speed + 100.0, radius=case.radius, hand="right",
                   cant=CURVES[case.radius])  # fmt: skip
     into = (Straight(length=STRAIGHT), Transition(length=INTO, shape="bloss")) if case.from_straight else ()
-    system = assemble(scenario, tables or tables_for(scenario, quiet=True))
+    system = assemble(scenario, tables or tables_for(scenario))
     return replace(system, model=freeze(system.model._replace(track=pack(Track((*into, curve))))))
 
 

@@ -27,13 +27,13 @@ from railcli.analysis.step_limit import step_limit  # noqa: E402
 from railcli.analysis.watch import ALTERNATES, AUDIBLE  # noqa: E402
 from railcli.errors import RailcliError  # noqa: E402
 from railcli.files.scenario import DEFAULT_SCENARIO, load  # noqa: E402
-from railcli.files.tables import tables_for  # noqa: E402
 from railcli.kernels.layout import freeze  # noqa: E402
 from railcli.kernels.recording import new_rows  # noqa: E402
 from railcli.kernels.step import record  # noqa: E402
 from railcli.model.sections import Straight  # noqa: E402
 from railcli.model.system import assemble  # noqa: E402
 from railcli.model.track import Track, pack  # noqa: E402
+from railcli.studies.tables import tables_for  # noqa: E402
 
 SWING = 6.5e-3  # of both rails [m]
 WAVE = 16.0, 40.0  # shortest wave of theirs, and from which on it lasts one second instead of two [m]
@@ -134,7 +134,7 @@ def main():
     print("|---|---|---|---|---|---|")
     for name in parser.parse_args().scenarios:
         scenario = load(name)
-        system = assemble(scenario, tables_for(scenario, quiet=True))
+        system = assemble(scenario, tables_for(scenario))
         cases = [("as it is", system, speed) for speed in SPEEDS]
         cases += [
             (f"{what} x {factor:g}", varied(system, what, factor), USUAL_SPEED)

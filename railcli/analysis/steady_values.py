@@ -189,8 +189,13 @@ def solved(system, stretch, speed):
     if speed == 0.0:
         return None
     try:
-        place = stretch.curvature, stretch.cant, speed
-        data = steady(system, *place, gradient=stretch.gradient, aside=stretch.aside).data
+        return motion(system, stretch, speed)
     except SimulationError:
         return None
+
+
+def motion(system, stretch, speed):
+    """As `solved`, but a SimulationError says why there is none."""
+    place = stretch.curvature, stretch.cant, speed
+    data = steady(system, *place, gradient=stretch.gradient, aside=stretch.aside).data
     return _arranged(system, stretch, stretch.outwards, data.q, data.rail["y"], data.rail["q"])

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from .options import results_options
+from .terminal import Terminal, show
 
 
 @click.command(short_help="Judge results: forces, ride, comfort, wear, stability.")
@@ -25,59 +26,15 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
       railcli assess railcli-out/run-curve-300-1
       railcli assess before after --limits my-limits.toml --check
     """
-    from railcli.analysis.assess import assess as judge
+    from railcli.errors import CheckError
     from railcli.files.limits import load_limits
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.progress import Progress
-    from railcli.files.read_results import Results
-    from railcli.model.assessment import Limits
-    from railcli.report import assess as report
+    from railcli.files.output import results_folder
+    from railcli.studies.assess import assess as study
+    from railcli.studies.assess import names_of
 
-    bounds = load_limits(limits) if limits else Limits()
-    names = _names(results)
-    for path in results:  # all of them can be read before anything is written
-        with Results(path) as source:
-            source.scenario, source.summary  # noqa: B018
-    lines, records, judged = [], [], []
-    with results_folder("assess", names[0], output, overwrite) as folder:
-        for name, path in zip(names, results, strict=True):
-            with Results(path) as source, Progress(f"Assess {name}", 100, "%", quiet) as progress:
-                scenario = source.scenario
-                outcome = judge(source, bounds, progress=lambda share, to=progress: to.update(round(100 * share)))
-                record = {
-                    "results": source.folder,
-                    "scenario": scenario.name,
-                    **report.as_json(outcome),
-                    "limits": bounds.model_dump(mode="json"),
-                    "provenance": source.provenance,
-                }
-            place = folder if len(results) == 1 else folder / name
-            write_json(place / "assessment.json", record)
-            write_text(place / "sections.csv", report.sections_csv(outcome))
-            if not no_figures:
-                report.figure(scenario.name, scenario, outcome, place / "assessment.png")
-            lines += [*report.report(name, scenario, outcome), ""]
-            records.append(record)
-            judged.append(outcome)
-    if len(results) > 1:
-        lines += [*report.side_by_side(names, judged), ""]
-    lines.append(f"Written to {folder}")
-    click.echo(json_text({"results": records}) if output_format == "json" else "\n".join(lines))
-    failed = [name for name, outcome in zip(names, judged, strict=True) if not outcome.accepted]
+    bounds = load_limits(limits) if limits else None
+    with results_folder("assess", names_of(results)[0], output, overwrite) as folder:
+        answer, failed = study(results, bounds, folder, not no_figures, Terminal(quiet))
+    show(answer, output_format)
     if check and failed:
-        from railcli.errors import CheckError
-
         raise CheckError(f"over the limits, or broken off: {', '.join(failed)}")
-
-
-def _names(results):
-    """A name for each results folder, each once."""
-    from railcli.files.output import file_name
-
-    names = []
-    for path in results:
-        path = path.resolve()
-        name = file_name((path.parent if path.suffix == ".h5" else path).name)
-        same = sum(other == name or other.rpartition("-")[0] == name for other in names)
-        names.append(f"{name}-{same + 1}" if same else name)
-    return names

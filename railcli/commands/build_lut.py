@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from .options import format_option, output_option, overwrite_option, quiet_option
+from .terminal import Terminal
 
 DEFAULT_WHEEL, DEFAULT_RAIL = "ORES1002", "UIC60"
 OF_A_GRID = "y_step", "roll_step", "yaw_count", "curvature_window"  # settings that a table of heights has no use for
@@ -133,13 +134,13 @@ def build_lut(
 
 
 def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overwrite, quiet):
-    from railcli.analysis.refine import refine, refine_knots
     from railcli.errors import InputError
     from railcli.files import tables
     from railcli.files.output import output_file, results_folder
     from railcli.files.profiles import load_profile, settings_on
     from railcli.model.contact_table import TableSettings
     from railcli.report import contact
+    from railcli.studies.tables import doubt, make, refined
 
     asked, given, settings = settings.get("inclination"), settings, TableSettings(**settings)
     if settings.stores_heights and (idle := [key for key in OF_A_GRID if key in given]):
@@ -157,22 +158,11 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
         picture = output_file(plot, overwrite)
     elif plot is not None and path:
         picture = output_file(path.with_suffix(".png"), overwrite)
-    say = None if quiet else lambda text: click.echo(text, err=True)
-
-    def build(settings):
-        return tables.make(wheel, rail, settings, method, poses, quiet, say, seed, warns=not goal)
-
-    def along(table, axis):
-        return tables.measure(table, wheel, rail, max(poses // 4, 1), quiet, seed, axis)
-
-    if goal and settings.stores_heights:
-        table, facts, certificate, stages = refine_knots(settings, *goal, build)
-    elif goal:
-        table, facts, certificate, stages = refine(settings, *goal, build, along)
-    else:
-        (table, facts, certificate), stages = build(settings), []
-    if goal:
-        tables.warn(certificate, wheel, rail)
+    voice = Terminal(quiet)
+    how = method, poses, voice, seed
+    built = refined(wheel, rail, settings, *goal, *how) if goal else make(wheel, rail, settings, *how)
+    table, certificate, stages = built.table, built.certificate, built.stages
+    doubt(certificate, wheel, rail, voice)
     path = path or tables.cached_path(table.settings, wheel, rail, method)
     tables.save(table, path, certificate)
     if plot is not None and picture is None:
@@ -182,8 +172,8 @@ def _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overw
     elif picture is not None:
         contact.plot(table, wheel, rail, picture)
     size = path.stat().st_size
-    lines = [*contact.summary(table, certificate, size, facts["cpu_s"]), f"Table: {path}"]
-    facts = {"table": path, "bytes": size, **facts, "certificate": certificate, **_identity(table)}
+    lines = [*contact.summary(table, certificate, size, built.facts["cpu_s"]), f"Table: {path}"]
+    facts = {"table": path, "bytes": size, **built.facts, "certificate": certificate, **_identity(table)}
     if stages:
         lines += contact.refinement_lines(goal[0], stages)
         unit = "percent" if settings.stores_heights else "mrad"
@@ -201,6 +191,7 @@ def _check(path, wheel, rail, poses, seed, plot, overwrite, quiet):
     from railcli.files import tables
     from railcli.files.output import output_file
     from railcli.report import contact
+    from railcli.studies.tables import limits, measure, shortcomings
 
     if poses == 0:
         raise click.UsageError("--check compares at random poses: --poses must be at least 1.")
@@ -208,16 +199,16 @@ def _check(path, wheel, rail, poses, seed, plot, overwrite, quiet):
     wheel, rail = tables.profiles_of(stored.table, path, wheel, rail)
     picture = None if plot is None else output_file(plot or path.with_suffix(".png"), overwrite)
     seed = secrets.randbits(32) if seed is None else seed
-    certificate = tables.measure(stored.table, wheel, rail, poses, quiet, seed)
-    found = tables.shortcomings(certificate)
+    certificate = measure(stored.table, wheel, rail, poses, Terminal(quiet), seed)
+    found = shortcomings(certificate)
     if picture is not None:
         contact.plot(stored.table, wheel, rail, picture)
     size = path.stat().st_size
     lines = contact.summary(stored.table, certificate, size)
     if stored.certificate:
         lines += ["When it was built:", *contact.certificate_lines(stored.certificate)]
-    limits = ", ".join(f"{key} {limit:g}" for key, limit in tables.limits(stored.table).items())
-    lines.append(f"Limits of p99: {limits}: " + ("kept" if not found else "; ".join(found)))
+    kept = ", ".join(f"{key} {limit:g}" for key, limit in limits(stored.table).items())
+    lines.append(f"Limits of p99: {kept}: " + ("kept" if not found else "; ".join(found)))
     facts = {
         "table": path,
         "bytes": size,

@@ -1,18 +1,18 @@
 """`railcli conicity`: rolling radius difference and equivalent conicity of a wheelset on its track."""
 
 import re
+from contextlib import nullcontext
 
 import click
 
 from .build_lut import setting
 from .options import results_options
+from .terminal import Terminal, show
 from .wheelset import wheelset_of, wheelset_options
 
 LIMITS_MM = (0.1, 20.0)
 MOST = 500  # amplitudes
-PLOT_STEP_MM = 0.05
 DEEPEST = 1e-3  # a wheel is pressed in [m]
-UNEVEN_MM = 3.0  # how far beyond the largest amplitude a wheelset with unlike sides is looked at
 
 
 def amplitudes(text):
@@ -66,40 +66,16 @@ def conicity(roll, pressed, amplitude, curve, plot, output_format, output, overw
       railcli conicity --pressed 0.2 --plot -o pressed
       railcli conicity --wheel worn.csv --amplitude 1-8:0.5 --plot -o worn
     """
-    from railcli.analysis.conicity import conicity, rolling, steering
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.progress import Progress
-    from railcli.report import conicity as report
-    from railcli.report import wheelset
+    from railcli.files.output import results_folder
+    from railcli.studies.conicity import conicity as study
 
-    wanted, radii = amplitudes(amplitude), curves(curve)
+    wanted, radii, voice = amplitudes(amplitude), curves(curve), Terminal(quiet)
     if pressed is not None and not 0.0 <= pressed <= DEEPEST:
         raise click.BadParameter(f"must lie in 0 ... {DEEPEST * 1e3:g} mm", param_hint="'--pressed'")
-    settings, rigid_pair, names = wheelset_of(**given)
-    pair = rigid_pair.pressed_in(pressed) if pressed else rigid_pair
-    reach = wanted[-1] * 1e-3 + (0.0 if pair.alike else UNEVEN_MM * 1e-3)
-    with Progress("Contact", 100, "%", quiet) as progress:
-        contact = rolling(pair, reach, roll, lambda share: progress.update(round(100 * share)))
-    rigid = rolling(rigid_pair, reach, roll) if pressed else None
-    motions = conicity(contact, [value * 1e-3 for value in wanted])
-    rows = steering(contact, radii)
-    title = wheelset.title(names, settings, pair, roll)
-    keys = ("inclination", "gauge", "flange_back", "tape_to_back", "radius")
-    shown = {key: getattr(settings, key) for key in keys} | {"pressed": pressed or 0.0}
-    record = report.as_json(shown, names, roll, contact, motions, rows)
-    lines = report.summary(title, contact, motions, rows)
-    if rigid is not None:
-        title += f", pressed in by {pressed * 1e3:g} mm"
-        lines = [title, *lines[1:], *report.pressed_lines(contact, rigid)]
-        record["rigid"] = report.pressed_facts(contact, rigid)
+    wheelset = wheelset_of(**given)
+    place = nullcontext()
     if output or plot:
-        with results_folder("conicity", f"{names['wheel']}-{names['rail']}", output, overwrite) as folder:
-            write_json(folder / "conicity.json", record)
-            write_text(folder / "conicity.csv", report.conicity_csv(contact, motions))
-            write_text(folder / "functions.csv", report.functions_csv(contact))
-            if plot:
-                fine = amplitudes(f"{wanted[0]}-{wanted[-1]}:{max(PLOT_STEP_MM, (wanted[-1] - wanted[0]) / 200)}")
-                smooth = conicity(contact, [value * 1e-3 for value in fine])
-                report.plot(title, contact, smooth, folder / "conicity.png", rigid)
-        lines.append(f"Written to {folder}")
-    click.echo(json_text(record) if output_format == "json" else "\n".join(lines))
+        place = results_folder("conicity", f"{wheelset.names['wheel']}-{wheelset.names['rail']}", output, overwrite)
+    with place as folder:
+        answer = study(wheelset, wanted, radii, roll, pressed, folder, plot, voice)
+    show(answer, output_format)

@@ -7,12 +7,11 @@ import click
 
 from .conicity import amplitudes
 from .options import results_options
-from .vehicle_contact import one_thread, quasi_linear_contact, scenario_of
+from .terminal import Terminal, show
+from .vehicle_contact import one_thread, scenario_of
 
 DEFAULT_SCENARIO = "stability"
 SLOWEST, FASTEST = 2.0, 150.0  # [m/s]
-ABOVE = 1.1  # start of the ramp over the highest linear critical speed
-ASIDE = 5e-3  # lateral displacement of a ramp whose scenario has none [m]
 
 
 def speed_span(text):
@@ -76,117 +75,22 @@ def critical_speed(
       railcli critical-speed straight-60 --from 140 -o hunting
     """
     one_thread()
-    from railcli.analysis.stability import USUAL, Measures
-    from railcli.analysis.warm import warm
     from railcli.files.limits import load_limits
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.provenance import provenance
-    from railcli.files.tables import tables_for
+    from railcli.files.output import results_folder
     from railcli.model.assessment import Limits
-
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
+    from railcli.studies.critical_speed import Ramp, Span
+    from railcli.studies.critical_speed import critical_speed as study
 
     if counts < threshold:
         raise click.BadParameter(
             f"{counts:g} mm is below the {threshold:g} mm up to which nothing hunts (--threshold); give at least that",
             param_hint="'--counts'",
         )
-    wanted, span = sorted({*amplitudes(amplitude), 1e3 * USUAL}), speed_span(speeds)
-    bounds = load_limits(limits) if limits else Limits()
+    wanted, span = amplitudes(amplitude), Span(*speed_span(speeds))
+    how = Ramp(start, resolution, 1e-3 * threshold, 1e-3 * counts, load_limits(limits) if limits else Limits())
     case = scenario_of(scenario, DEFAULT_SCENARIO)
-    measures = Measures.of(case, 1e-3 * counts, bounds)
     with results_folder("critical-speed", case.name, output, overwrite) as folder:
-        warm(announce)
-        tables = () if no_ramp else tables_for(case, quiet, announce)
-        lines = quasi_linear_contact(case, wanted, quiet)
-        loci = _linear(case, lines, span, quiet)
-
-        from railcli.report import stability as report  # only now: drawing libraries take half a second to load
-
-        cycles, interrupted, fault, time_step = [], False, None, None
-        if not no_ramp:
-            begin = start or report.start_of_ramp(loci, span, ABOVE)
-            ends = resolution, 1e-3 * threshold, measures
-            system = _hunting(case, tables, (span[0], begin))
-            time_step = float(system.model.param[0]["step"])
-            interrupted, fault = _ramp(case, system, begin, span, ends, cycles, quiet)
-        written = ["critical_speed.json", "linear.csv", "root_locus.csv"]
-        write_text(folder / "linear.csv", report.linear_csv(lines, loci))
-        write_text(folder / "root_locus.csv", report.locus_csv(loci))
-        if cycles:
-            written.append("limit_cycles.csv")
-            write_text(folder / "limit_cycles.csv", report.cycles_csv(cycles))
-        if not no_figures:
-            written += report.figures(case, loci, cycles, measures, folder)
-        record = report.as_json(
-            case, lines, loci, cycles, 1e-3 * threshold, measures, time_step, provenance(case, tables), written
-        )  # fmt: skip
-        record["folder"] = folder
-        write_json(folder / "critical_speed.json", record)
-    if interrupted:
-        raise KeyboardInterrupt(f"The limit cycles down to {cycles[-1].speed:g} m/s are in {folder}." if cycles else "")
-    if output_format == "json":
-        click.echo(json_text(record))
-    else:
-        text = report.report(case, lines, loci, cycles, measures, time_step)
-        click.echo("\n".join([*text, "", f"Written to {folder}: {', '.join(written)}"]))
+        answer, fault = study(case, wanted, span, how, no_ramp, folder, not no_figures, Terminal(quiet))
+    show(answer, output_format)
     if fault:
         raise fault
-
-
-def _linear(case, lines, span, quiet):
-    import numpy as np
-
-    from railcli.analysis.quasi_linear import quasi_linear_system
-    from railcli.analysis.stability import locus
-    from railcli.files.progress import Progress
-
-    low, high, step = span
-    speeds = low + step * np.arange(int((high - low) / step + 1e-9) + 1)
-    loci, done = [], 0
-
-    def one_more():
-        nonlocal done
-        done += 1
-        progress.update(done)
-
-    with Progress("Roots", len(lines) * speeds.size, "speeds", quiet) as progress:
-        for line in lines:
-            if line[0].flange:
-                loci.append(None)
-            else:
-                loci.append(locus(quasi_linear_system(case, line), line[0].amplitude, speeds, one_more))
-    return loci
-
-
-def _hunting(case, tables, speeds):
-    """The system whose hunting is looked at, with half of the step that a usual run would take unless one is given.
-
-    A wheelset that is thrown aside at high speed strikes its flange harder than the choice of a step reckons with.
-    """
-    from railcli.analysis.step_choice import with_step
-    from railcli.model.system import assemble
-
-    _, system, choice = with_step(case, assemble(case, tables), speeds)
-    return system.stepped(0.5 * choice.step) if choice.chosen else system
-
-
-def _ramp(case, system, start, span, ends, cycles, quiet):
-    """Gather limit cycles; returns whether Ctrl-C stopped it and what fault did."""
-    from railcli.analysis.stability import ramp
-    from railcli.errors import SimulationError
-    from railcli.files.progress import Progress
-
-    low, _, step = span
-    try:
-        with Progress("Limit cycles", start - low, "m/s", quiet) as progress:
-            for cycle in ramp(system, start, step, low, case.start.lateral or ASIDE, *ends):
-                cycles.append(cycle)
-                progress.update(start - cycle.speed, f"{cycle.speed:g} m/s, {cycle.largest * 1e3:.2f} mm")
-    except KeyboardInterrupt:
-        return True, None
-    except SimulationError as error:
-        return False, error
-    return False, None

@@ -3,7 +3,8 @@
 import click
 
 from .options import results_options
-from .vehicle_contact import one_thread, quasi_linear_contact, scenario_of
+from .terminal import Terminal, show
+from .vehicle_contact import one_thread, scenario_of
 
 DEFAULT_SCENARIO = "stability"
 LARGEST_AMPLITUDE = 15.0  # [mm]
@@ -37,55 +38,10 @@ def modes(scenario, speed, amplitude, everything, response, no_figures, output_f
       railcli modes my-vehicle.toml --amplitude 0 --all -o modes
     """
     one_thread()
-    from railcli.analysis.linear import linearise
-    from railcli.analysis.linear import modes as modes_of
-    from railcli.analysis.mode_shapes import describe
-    from railcli.analysis.quasi_linear import quasi_linear_system
-    from railcli.analysis.warm import warm
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.provenance import provenance
-    from railcli.files.tables import tables_for
-    from railcli.model.system import assemble
-
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
+    from railcli.files.output import results_folder
+    from railcli.studies.modes import modes as study
 
     case = scenario_of(scenario, DEFAULT_SCENARIO, speed)
     with results_folder("modes", case.name, output, overwrite) as folder:
-        warm(announce)
-        lines, tables = None, ()
-        if amplitude > 0.0:
-            lines = quasi_linear_contact(case, [amplitude], quiet)[0]
-            system = quasi_linear_system(case, lines)
-        else:
-            tables = tables_for(case, quiet, announce)
-            system = assemble(case, tables)
-        found = modes_of(linearise(system, contact=response))
-        change = found.shift(linearise(system, scale=2.0))
-        shapes = [describe(found, k) for k in range(found.value.size)]
-
-        from railcli.report import modes as report  # only now: drawing libraries take half a second to load
-
-        written = ["modes.json", "modes.csv", "shapes.csv"]
-        if not no_figures:
-            written += report.figures(case, found, shapes, folder)
-        if response:
-            from railcli.analysis.response import responses
-            from railcli.report import response as picture
-
-            answers = responses(found.linear)
-            written.append("response.csv")
-            write_text(folder / "response.csv", picture.response_csv(found.linear, answers))
-            if not no_figures:
-                written += picture.figures(case, found.linear, answers, folder)
-        record = report.as_json(case, lines, found, change, shapes, provenance(case, tables), written)
-        record["folder"] = folder
-        write_json(folder / "modes.json", record)
-        write_text(folder / "modes.csv", report.modes_csv(found, shapes))
-        write_text(folder / "shapes.csv", report.shapes_csv(found, shapes))
-    if output_format == "json":
-        click.echo(json_text(record))
-        return
-    text = report.report(case, lines, found, change, shapes, everything)
-    click.echo("\n".join([*text, "", f"Written to {folder}: {', '.join(written)}"]))
+        answer = study(case, amplitude, response, everything, folder, not no_figures, Terminal(quiet))
+    show(answer, output_format)

@@ -5,6 +5,7 @@ import click
 from railcli.errors import InputError
 
 from .options import results_options
+from .terminal import Terminal
 
 FEWEST_CALLS = 1000  # so that p99.9 is a measured value
 MOST_CALLS = 10_000_000  # whose times fit into memory
@@ -103,18 +104,15 @@ def _measure(scenario, budget, count, warm_up, spin, realtime, quiet):
     from railcli.analysis.step_choice import with_step
     from railcli.files.progress import Progress
     from railcli.files.provenance import provenance
-    from railcli.files.tables import tables_for
     from railcli.model.system import assemble
     from railcli.report.step import as_json
     from railcli.report.text import conditions_json
     from railcli.runtime import pacing, timing
+    from railcli.studies.tables import tables_for
 
-    def say(text):
-        if not quiet:
-            click.echo(text, err=True)
-
-    tables = tables_for(scenario, quiet, say)
-    timing.prepare(say)
+    voice = Terminal(quiet)
+    tables = tables_for(scenario, voice)
+    timing.prepare(voice.announce)
     scenario, system, choice = with_step(scenario, assemble(scenario, tables), interval=budget)
     steps = timing.steps_per_call(budget, scenario.run.step)
     begin, _ = timing.stretch(scenario, system.rest)
@@ -125,7 +123,7 @@ def _measure(scenario, budget, count, warm_up, spin, realtime, quiet):
     with pacing.real_time(realtime) as granted:
         cost = timing.describe_cost(course)
         if metronome:
-            say(f"Paced by the clock: this takes {(warm_up + count) * course.period:.3g} s ...")
+            voice.announce(f"Paced by the clock: this takes {(warm_up + count) * course.period:.3g} s ...")
         timing.time_calls(course, warm_up, metronome)
         with Progress("Calls", count, "calls", quiet or metronome is not None) as progress:
             calls = timing.time_calls(course, count, metronome, progress.update)

@@ -3,6 +3,7 @@
 import click
 
 from .options import results_options
+from .terminal import Terminal, show
 
 
 @click.group(short_help="Compare with published results.")
@@ -27,61 +28,8 @@ def manchester(sensitivity, disturbance, no_figures, output_format, output, over
 
     Example: railcli validate manchester --disturbance -o my-validation
     """
-    from railcli.analysis.disturbance import compare_disturbance
-    from railcli.analysis.validate import compare_manchester
-    from railcli.analysis.warm import warm
-    from railcli.errors import CheckError
-    from railcli.files.benchmark import manchester_criteria, manchester_reference
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.progress import Progress
-    from railcli.files.provenance import provenance
-    from railcli.files.scenario import load
-    from railcli.files.tables import tables_for
-    from railcli.report import disturbance as disturbances
-    from railcli.report import validation
-
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
-
-    reference, criteria = manchester_reference(), manchester_criteria()
-    scenarios = [load(f"curve-1200-{speed:g}") for speed in reference.speeds]
-    other = scenarios[0].varied(contact={"inclination": 40.0})
-    with results_folder("validate", "manchester", output, overwrite) as folder:
-        warm(announce)
-        tables = tables_for(scenarios[0], quiet, announce)
-        other_tables = tables_for(other, quiet, announce)
-        with Progress("Validate", 30, "steps", quiet) as progress:
-            result = compare_manchester(
-                reference, criteria, scenarios, tables, (other, other_tables), progress.update
-            )
-        record = validation.as_json(scenarios[0], result, provenance(scenarios[0], tables))
-        sections = validation.report(scenarios[0], result, sensitivity)
-        rows, names = result.rows, validation.FIGURES
-        if disturbance:
-            with Progress("Disturbance", 100, "%", quiet) as progress:
-                response = compare_disturbance(
-                    scenarios[0], tables, criteria, lambda share, text: progress.update(round(100 * share), text)
-                )
-            rows, names = rows + response.rows, names + disturbances.FIGURES
-            record["disturbance"] = disturbances.as_json(response)
-            sections[-1:-1] = disturbances.sections(response)
-        validation.judged(record, sections, rows)
-        write_json(folder / "validation.json", record)
-        write_text(folder / "validation.csv", validation.csv(result))
-        write_text(folder / "validation.md", validation.markdown(sections, record, () if no_figures else names))
-        if not no_figures:
-            validation.figures(result, folder)
-            if disturbance:
-                disturbances.figures(response, folder)
-    if output_format == "json":
-        click.echo(json_text(record))
-    else:
-        click.echo(validation.terminal(sections, record))
-        click.echo(f"Written to {folder}")
-    missed = [row[0] for row in rows if row[5] and not row[4]]
-    if missed:
-        raise CheckError(f"validate manchester: rejected ({'; '.join(missed)})")
+    more = {"sensitivity": sensitivity, "disturbance": disturbance}
+    _compare("manchester", no_figures, output_format, output, overwrite, quiet, **more)
 
 
 @validate.command(short_help="A curve of 150 m and a hunting wagon against other programs.")
@@ -102,53 +50,12 @@ def curves(creep_law, normal, no_figures, output_format, output, overwrite, quie
       railcli validate curves -o my-validation
       railcli validate curves --normal hertz --creep-law fastrip
     """
-    from railcli.analysis.curves_check import compare_curves
-    from railcli.analysis.curving_check import NOMINAL
-    from railcli.analysis.warm import warm
-    from railcli.errors import CheckError
-    from railcli.files.curves_reference import curves_criteria, curves_reference, curves_scenarios, wheelset_of
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.progress import Progress
-    from railcli.files.provenance import provenance
-    from railcli.files.tables import tables_for
     from railcli.model.submodels import CREEP_LAWS, NORMAL_LAWS, choose
-    from railcli.report import curves_validation as report
 
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
-
-    laws = {}
-    for key, option, registry, name in (
-        ("creep_law", "--creep-law", CREEP_LAWS, creep_law), ("normal", "--normal", NORMAL_LAWS, normal)
-    ):  # fmt: skip
-        if name is not None:
-            choose(registry, option, name)
-            laws[key] = name
-    reference, criteria = curves_reference(), curves_criteria()
-    curve, wagon, wide = curves_scenarios(laws)
-    with results_folder("validate", "curves", output, overwrite) as folder:
-        warm(announce)
-        with Progress("Validate", 100, "%", quiet) as progress:
-            result = compare_curves(
-                reference, criteria, curve, wagon, wheelset_of(wagon), wide, lambda case: tables_for(case, True),
-                lambda share, text: progress.update(round(100 * share), text),
-            )  # fmt: skip
-        origin = provenance(result.curves[NOMINAL].scenario)
-        record, sections = report.as_json(result, origin), report.report(result)
-        write_json(folder / "validation.json", record)
-        write_text(folder / "validation.csv", report.csv(result))
-        write_text(folder / "validation.md", report.markdown(sections, result, origin, figures=not no_figures))
-        if not no_figures:
-            report.figures(result, folder)
-    if output_format == "json":
-        click.echo(json_text(record))
-    else:
-        click.echo(report.terminal(sections, result))
-        click.echo(f"Written to {folder}")
-    if not result.accepted:
-        missed = [row.name for row in result.rows if row.counts and not row.kept]
-        raise CheckError(f"validate curves: rejected ({'; '.join(missed)})")
+    for option, registry, given in (("--creep-law", CREEP_LAWS, creep_law), ("--normal", NORMAL_LAWS, normal)):
+        if given is not None:
+            choose(registry, option, given)
+    _compare("curves", no_figures, output_format, output, overwrite, quiet, creep_law=creep_law, normal=normal)
 
 
 @validate.command(short_help="Equivalent conicity against the tables of EN 15302.")
@@ -162,32 +69,7 @@ def conicity(no_figures, output_format, output, overwrite, quiet):
 
     Example: railcli validate conicity -o my-validation
     """
-    from railcli.analysis.conicity_check import compare_conicity
-    from railcli.errors import CheckError
-    from railcli.files.conicity_reference import conicity_criteria, reference_profiles, reference_tables
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.progress import Progress
-    from railcli.report import conicity as report
-
-    with results_folder("validate", "conicity", output, overwrite) as folder:
-        with Progress("Validate", 100, "%", quiet) as progress:
-            result = compare_conicity(
-                reference_profiles(), reference_profiles(digitised=True), reference_tables(), conicity_criteria(),
-                lambda share: progress.update(round(100 * share)),
-            )  # fmt: skip
-        record = report.validation_json(result)
-        write_json(folder / "validation.json", record)
-        write_text(folder / "validation.csv", report.validation_csv(result))
-        if not no_figures:
-            report.validation_plot(result, folder / "conicity.png")
-    if output_format == "json":
-        click.echo(json_text(record))
-    else:
-        click.echo("\n".join(report.validation_lines(result)))
-        click.echo(f"Written to {folder}")
-    if not result.accepted:
-        missed = [row.name for row in result.rows if row.counts and not row.kept]
-        raise CheckError(f"validate conicity: rejected ({'; '.join(missed)})")
+    _compare("conicity", no_figures, output_format, output, overwrite, quiet)
 
 
 @validate.command(short_help="Hertz, Kalker, creep laws and the Manchester contact benchmark.")
@@ -203,41 +85,15 @@ def contact(no_figures, output_format, output, overwrite, quiet):
 
     Example: railcli validate contact -o my-validation
     """
-    from railcli.analysis.contact_check import compare_contact
-    from railcli.analysis.warm import warm
-    from railcli.errors import CheckError
-    from railcli.files.contact_reference import benchmark_tables, benchmark_wheelset, contact_criteria, published
-    from railcli.files.output import json_text, results_folder, write_json, write_text
-    from railcli.files.progress import Progress
-    from railcli.files.provenance import provenance
-    from railcli.report import contact_figures
-    from railcli.report import contact_validation as report
+    _compare("contact", no_figures, output_format, output, overwrite, quiet)
 
-    def announce(text):
-        if not quiet:
-            click.echo(text, err=True)
 
-    reference, criteria = published(), contact_criteria()
-    with results_folder("validate", "contact", output, overwrite) as folder:
-        warm(announce)
-        tables = benchmark_tables(quiet, announce)
-        with Progress("Validate", 100, "%", quiet) as progress:
-            result = compare_contact(
-                reference, criteria, benchmark_wheelset(), tables,
-                lambda share, text: progress.update(round(100 * share), text),
-            )  # fmt: skip
-        origin = provenance(tables=tuple(tables.values()))
-        record, sections = report.as_json(result, origin), report.report(result)
-        write_json(folder / "validation.json", record)
-        write_text(folder / "validation.csv", report.csv(result))
-        write_text(folder / "validation.md", report.markdown(sections, result, origin, figures=not no_figures))
-        if not no_figures:
-            contact_figures.figures(result, folder)
-    if output_format == "json":
-        click.echo(json_text(record))
-    else:
-        click.echo(report.terminal(sections, result))
-        click.echo(f"Written to {folder}")
-    if not result.accepted:
-        missed = [row.name for row in result.rows if row.counts and not row.kept]
-        raise CheckError(f"validate contact: rejected ({'; '.join(missed)})")
+def _compare(name, no_figures, output_format, output, overwrite, quiet, **options):
+    from railcli.files.output import results_folder
+    from railcli.studies.validate import validate as study
+
+    with results_folder("validate", name, output, overwrite) as folder:
+        answer, rejection = study(name, folder, not no_figures, Terminal(quiet), **options)
+    show(answer, output_format)
+    if rejection:
+        raise rejection

@@ -31,32 +31,13 @@ def wheelset_options(command):
 
 
 def wheelset_of(wheel, rail, left_wheel, left_rail, left_radius, **given):
-    """What the options describe; its sides are checked to fit.
-
-    Returns
-    -------
-    settings : TableSettings
-    pair : Wheelset
-    names : dict
-        Names of the profiles: wheel, rail, and left_wheel, left_rail where given.
-    """
-    from railcli.analysis.build_table import check_fit
-    from railcli.analysis.rigid_contact import wheelset_on
-    from railcli.files.profiles import load_profile, settings_on
+    """What the options describe, a studies.conicity.Mounted; its sides are checked to fit."""
     from railcli.model.contact_table import LIMITS, TableSettings
+    from railcli.studies.conicity import mounted
 
     settings = TableSettings(**{key: value for key, value in given.items() if value is not None})
     if left_radius is not None:
         low, high, _ = LIMITS["radius"]
         if not low <= left_radius <= high:
             raise click.BadParameter(f"must lie in {low * 1e3:g} ... {high * 1e3:g} mm", param_hint="'--left-radius'")
-    right = load_profile(wheel, "wheel"), load_profile(rail, "rail")
-    left = left_wheel and load_profile(left_wheel, "wheel"), left_rail and load_profile(left_rail, "rail")
-    rails = [rail for rail in (right[1], left[1]) if rail]
-    settings = settings_on(rails, settings, given["inclination"])
-    pair = wheelset_on(settings, *right, *left, left_radius)
-    for mounting in pair.mountings:
-        check_fit(mounting, settings)
-    names = {"wheel": right[0].name, "rail": right[1].name}
-    names |= {f"left_{key}": item.name for key, item in zip(("wheel", "rail"), left, strict=True) if item}
-    return settings, pair, names
+    return mounted(settings, wheel, rail, left_wheel, left_rail, left_radius, given["inclination"])

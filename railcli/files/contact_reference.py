@@ -1,7 +1,6 @@
 """What `railcli validate contact` compares with, in railcli's units and signs, and its criteria."""
 
 import tomllib
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,11 +9,9 @@ from railcli.analysis.contact_check import CreepStates, HertzCases, Published
 from railcli.analysis.normal_check import NormalStates
 from railcli.analysis.rigid_contact import wheelset_on
 from railcli.errors import InputError
-from railcli.model.submodels import NORMAL_LAWS
 
 from .profile_import import ImportSettings, import_profile
 from .resources import resource
-from .tables import table_for
 
 FOLDER = "benchmarks/contact"
 WHEEL, RAIL = "MBench_S1002_v3.prw", "MBench_UIC60_v3.prr"
@@ -88,12 +85,6 @@ def benchmark_wheelset():
     Wheelset
     """
     return wheelset_on(SETTINGS, *benchmark_profiles())
-
-
-def benchmark_tables(quiet=False, announce=None):
-    """Contact tables of the benchmark from the cache, or built: normal law -> ContactTable; options as `table_for`."""
-    profiles = benchmark_profiles()
-    return {law: table_for(replace(SETTINGS, normal=law), *profiles, quiet, announce) for law in NORMAL_LAWS}
 
 
 def _read(name, read):

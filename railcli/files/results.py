@@ -5,8 +5,11 @@ extremes of these steps. Below FILTERED is what every step gave, low-passed, at 
 Track axes: x forward, y to the right, z down; angles turn right-handed about them. Forces of a wheel act on its rail.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -199,45 +202,66 @@ class TimeSeries:
 
     def _create(self, file):
         """Make every dataset; yields each with the function that reads its values from rows."""
-        system = self._system
-        yield grown(file, "time", (), "s", "simulated time"), lambda rows: rows.time
-        spans = averaged(system.model.wheel.size, system.model.body.size)
-        traction = grown(
-            file, "traction", (), "N", "force that holds the speed; mean over the interval", of_interval=True
-        )
-        yield traction, lambda rows: rows.mean[:, spans.traction.start]
-        for i, name in enumerate(system.bodies):
-            for channel, (source, units, description) in BODY_CHANNELS.items():
-                dataset = grown(file, f"bodies/{name}/{channel}", (3,), units, description)
-                yield dataset, lambda rows, i=i, source=source: source(rows, i)
-            start = spans.acceleration.start + 3 * i
-            for channel, (key, description) in ACCELERATIONS.items():
-                dataset = grown(file, f"bodies/{name}/{channel}", (3,), "m/s^2", description, of_interval=True)
-                yield dataset, lambda rows, start=start, key=key: getattr(rows, key)[:, start : start + 3]
-        for w in range(system.model.wheel.size):
-            group = f"wheels/{wheel_group(system, w)}"
-            for channel, (key, force, description) in FORCES.items():
-                dataset = grown(file, f"{group}/{channel}", (), "N", description, of_interval=True)
-                at = getattr(spans, force).start + w
-                yield dataset, lambda rows, at=at, key=key: getattr(rows, key)[:, at]
-            for channel, (key, units, description) in RAIL_CHANNELS.items():
-                dataset = grown(file, f"{group}/{channel}", (), units, description)
-                yield dataset, lambda rows, w=w, key=key: rows.rail[key][:, w]
-            for channel, (key, c, units, description) in SUPPORT_CHANNELS.items() if system.gives_way else ():
-                dataset = grown(file, f"{group}/{channel}", (), units, description)
-                yield dataset, lambda rows, w=w, key=key, c=c: rows.rail[key][:, w, c]
-            for channel, (key, units, description) in PATCH_CHANNELS.items():
-                name = f"{group}/contact/{channel}"
-                if not any(fnmatchcase(name, pattern) for pattern in self._kept_contact):
-                    continue
-                dataset = grown(file, name, (MAX_CONTACT,), units, description)
-                absent = 0.0 if key in FORCES_OF_A_PATCH else np.nan
-                yield (
-                    dataset,
-                    lambda rows, w=w, key=key, absent=absent: np.where(
-                        rows.contact["depth"][:, w] > 0.0, rows.contact[key][:, w], absent
-                    ),
-                )
+        for channel in recorded(self._system):
+            if "/contact/" in channel.name and not any(fnmatchcase(channel.name, glob) for glob in self._kept_contact):
+                continue
+            dataset = grown(
+                file, channel.name, channel.shape, channel.units, channel.description, of_interval=channel.of_interval
+            )
+            yield dataset, channel.source
+
+
+class Recorded(NamedTuple):
+    """A channel of a run: its name, shape of a row, units, description, whether it tells of an interval, its source."""
+
+    name: str
+    shape: tuple
+    units: str
+    description: str
+    of_interval: bool
+    source: Callable  # of kernels.recording.Rows: its values, a row each
+
+
+def recorded(system):
+    """Every channel that a run of a system records, in the order of the file."""
+    yield Recorded("time", (), "s", "simulated time", False, lambda rows: rows.time)
+    spans = averaged(system.model.wheel.size, system.model.body.size)
+    about = "force that holds the speed; mean over the interval"
+    yield Recorded("traction", (), "N", about, True, lambda rows: rows.mean[:, spans.traction.start])
+    for i, name in enumerate(system.bodies):
+        yield from _of_body(f"bodies/{name}", i, spans.acceleration.start + 3 * i)
+    for w in range(system.model.wheel.size):
+        yield from _of_wheel(f"wheels/{wheel_group(system, w)}", w, spans, system.gives_way)
+
+
+def _of_body(group, i, start):
+    for channel, (source, units, about) in BODY_CHANNELS.items():
+        yield Recorded(f"{group}/{channel}", (3,), units, about, False, lambda rows, source=source: source(rows, i))
+    for channel, (key, about) in ACCELERATIONS.items():
+        source = partial(_columns_of, key=key, at=slice(start, start + 3))
+        yield Recorded(f"{group}/{channel}", (3,), "m/s^2", about, True, source)
+
+
+def _of_wheel(group, w, spans, gives_way):
+    for channel, (key, force, about) in FORCES.items():
+        source = partial(_columns_of, key=key, at=getattr(spans, force).start + w)
+        yield Recorded(f"{group}/{channel}", (), "N", about, True, source)
+    for channel, (key, units, about) in RAIL_CHANNELS.items():
+        yield Recorded(f"{group}/{channel}", (), units, about, False, lambda rows, key=key: rows.rail[key][:, w])
+    for channel, (key, c, units, about) in SUPPORT_CHANNELS.items() if gives_way else ():
+        source = lambda rows, key=key, c=c: rows.rail[key][:, w, c]  # noqa: E731
+        yield Recorded(f"{group}/{channel}", (), units, about, False, source)
+    for channel, (key, units, about) in PATCH_CHANNELS.items():
+        source = partial(_patches, w=w, key=key, absent=0.0 if key in FORCES_OF_A_PATCH else np.nan)
+        yield Recorded(f"{group}/contact/{channel}", (MAX_CONTACT,), units, about, False, source)
+
+
+def _columns_of(rows, key, at):
+    return getattr(rows, key)[:, at]
+
+
+def _patches(rows, w, key, absent):
+    return np.where(rows.contact["depth"][:, w] > 0.0, rows.contact[key][:, w], absent)
 
 
 @dataclass(frozen=True)

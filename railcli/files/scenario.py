@@ -1,5 +1,6 @@
 """Scenario and vehicle files, and the ones that railcli brings along."""
 
+import copy
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -7,7 +8,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 
 from railcli.analysis.alignment import course
 from railcli.errors import InputError
@@ -24,6 +24,7 @@ from .decision import tell
 from .output import file_name
 from .profiles import load_profile
 from .resources import resource
+from .tables import identity
 from .track_table import read_alignment
 
 CASES = ("benchmarks/manchester/cases", "vehicles/y25/cases", "vehicles/locomotive/cases")
@@ -53,18 +54,22 @@ def _cases():
 
 
 def load(scenario=DEFAULT_SCENARIO):
-    """Scenario from a file or a built-in name.
+    """Scenario from a file, a built-in name, or a dictionary.
 
     Parameters
     ----------
-    scenario : str or path-like
-        What ends with ``.toml`` or names a folder is a file, all else a built-in name.
+    scenario : str, path-like or dict
+        What ends with ``.toml`` or names a folder is a file, any other text a built-in name; a dictionary is what a
+        file would hold, with relative paths from the working directory.
 
     Raises
     ------
     InputError
         One line: file, key, what was found, what is allowed.
     """
+    if isinstance(scenario, dict):
+        table = {"name": "scenario", "vehicle": "manchester", **copy.deepcopy(scenario)}
+        return built(table, Path(), table["name"])
     if _is_path(scenario):
         return _load_file(Path(scenario))
     cases = _cases()
@@ -137,58 +142,17 @@ def load_alignment(source):
     )
 
 
-def varied(scenario, group, key, value):
-    """The scenario with one value of a group replaced, as an option of a command gives it.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    group, key : str
-        Such as ``run`` and ``speed_m_per_s``.
-    value : float
-        In the unit that the key names.
-
-    Raises
-    ------
-    InputError
-        The value is not allowed, alone or with the others.
-    """
-    stem, unit = toml.split_unit(key)
-    si = value * unit.times / unit.over if unit else value
-    name = f"{stem}_{unit.si}" if unit else stem
-    fields = type(getattr(scenario, group)).model_fields
-    field = next(field for field in fields if name in (field, fields[field].alias))
-    before = getattr(getattr(scenario, group), field)
-    symbol = f" {unit.symbol}" if unit else ""
-    instead = f", not {_in_unit(before, unit):.6g}{symbol}" if before is not None else ""
-    changes = (*scenario.changes, f"{stem} {value:g}{symbol}{instead}")
-    title = scenario.title.removesuffix(_told(scenario.changes)) + _told(changes)
-    try:
-        return scenario.varied(**{group: {field: si}}, changes=changes, title=title)
-    except ValidationError as error:
-        problem = error.errors(include_url=False)[0]
-        text = problem["msg"].removeprefix("Value error, ")
-        allowed = toml.out_of_bounds(problem, unit) or f"{text[0].lower()}{text[1:]}"
-        raise InputError(f"{group}.{key}", f"{allowed}; got {value:g}") from None
-
-
-def _in_unit(value, unit):
-    return value * unit.over / unit.times if unit else value
-
-
-def _told(changes):
-    return f" [{'; '.join(changes)}]" if changes else ""
-
-
 def load_vehicle(vehicle, folder=None):
-    """Vehicle from a file or a built-in name.
+    """Vehicle from a file, a built-in name, or a dictionary as a file would hold it.
 
     Parameters
     ----------
-    vehicle : str or path-like
+    vehicle : str, path-like or dict
     folder : path-like, optional
         Where a relative path starts.
     """
+    if isinstance(vehicle, dict):
+        return toml.build(Vehicle, vehicle, vehicle.get("name", "vehicle"))
     if _is_path(vehicle):
         path = Path(folder or "") / vehicle
     elif vehicle in VEHICLES:
@@ -198,33 +162,62 @@ def load_vehicle(vehicle, folder=None):
     return toml.build(Vehicle, toml.read(path), path)
 
 
+def builtin_text(kind, name):
+    """The TOML file of a built-in vehicle or scenario, which kind says, as text."""
+    places = {one: resource(path) for one, path in VEHICLES.items()} if kind == "vehicle" else _cases()
+    if name not in places:
+        raise InputError(name, f"no built-in {kind}; {hint(name, places)}")
+    return places[name].read_text(encoding="utf-8")
+
+
 def _load_file(path):
     table = toml.read(path)
     table.setdefault("name", file_name(path.stem))
-    vehicle = table.get("vehicle", "manchester")
-    if isinstance(vehicle, str):
+    table.setdefault("vehicle", "manchester")
+    return built(table, path.parent, path)
+
+
+def built(table, folder, where, known=None):
+    """Scenario of the table of a file, with what it names read.
+
+    Parameters
+    ----------
+    table : dict
+        As toml.build takes it.
+    folder : pathlib.Path
+        Where relative paths in it start.
+    where : path-like
+        For messages.
+    known : dict, optional
+        What names stand for already, as Scenario.contents.
+    """
+    if isinstance(table.get("vehicle"), str):
         try:
-            table["vehicle"] = load_vehicle(vehicle, path.parent)
+            table["vehicle"] = load_vehicle(table["vehicle"], folder)
         except InputError as error:
-            raise InputError(f"{path}: vehicle", str(error)) from None
+            raise InputError(f"{where}: vehicle", str(error)) from None
     sections, gauge = table.get("track"), _gauge(table)
     if isinstance(sections, list):
-        table["track"] = [_with_table(section, i, path, gauge) for i, section in enumerate(sections, start=1)]
+        table["track"] = [_with_table(section, i, folder, where, gauge) for i, section in enumerate(sections, start=1)]
     contact = table.get("contact")
     if isinstance(contact, dict):
         names = "wheel_profile", "rail_profile", "table"
         for key in (*names, *(f"left_{name}" for name in names)):
-            contact[key] = _beside(contact.get(key), path)
+            contact[key] = _beside(contact.get(key), folder)
             if contact[key] is None:
                 del contact[key]
-    found = _recordings(table.get("irregularity"), path, gauge)
-    scenario = _beside_cant(toml.build(Scenario, table, path), found, path)
-    return scenario.knowing(dict(_contents(scenario.contact)))
+    found = _recordings(table.get("irregularity"), folder, where, gauge)
+    scenario = _beside_cant(toml.build(Scenario, table, where), found, folder)
+    places = {getattr(scenario.contact, key) for key in (*PROFILES, *TABLES)}
+    known = {place: content for place, content in (known or {}).items() if place in places}
+    return scenario.knowing({**_contents(scenario.contact, known), **known})
 
 
 def _gauge(table):
     """Nominal gauge of a scenario that is not yet checked [m]."""
     contact = table.get("contact")
+    if isinstance(contact, Contact):
+        return contact.gauge
     for key, value in (contact.items() if isinstance(contact, dict) else ()):
         stem, unit = toml.split_unit(key)
         if stem == "gauge" and unit and unit.si == "m" and isinstance(value, int | float):
@@ -232,23 +225,25 @@ def _gauge(table):
     return Contact.model_fields["gauge"].default
 
 
-def _recordings(sources, path, gauge):
+def _recordings(sources, folder, where, gauge):
     """Recordings of the measured tracks that a scenario names, by their place; their samples go into its table."""
     found = {}
     for number, source in enumerate(sources if isinstance(sources, list) else []):
         if not (isinstance(source, dict) and source.get("kind") == "measured" and isinstance(source.get("file"), str)):
             continue
-        place = path.parent / source["file"]
+        if "samples" in source:
+            continue
+        place = folder / source["file"]
         asked = {key: value for key, value in source.items() if toml.split_unit(key)[0] in ASKED}
-        about = toml.build(Recorded, asked, f"{path}: irregularity[{number + 1}]")
+        about = toml.build(Recorded, asked, f"{where}: irregularity[{number + 1}]")
         asked = irregularity.Asked(about.chord, about.bridge, gauge, about.cross_level)
         found[number] = irregularity.recording(place, asked)
         tell(place, found[number].decisions)
-        source.setdefault("samples", found[number].samples)
+        source["samples"] = found[number].samples
     return found
 
 
-def _beside_cant(scenario, found, path):
+def _beside_cant(scenario, found, folder):
     """The scenario with absolute cross-levels counted from the cant of its track."""
     sources = list(scenario.irregularity)
     for number, one in found.items():
@@ -257,30 +252,32 @@ def _beside_cant(scenario, found, path):
             s = one.samples.position - source.position_at_start(rails.course(scenario))
             cant = course(scenario.pieces(), np.clip(s, 0.0, scenario.track.length)).cant
             on_track = (s >= 0.0) & (s <= scenario.track.length)
-            samples = irregularity.without_cant(path.parent / source.file, one.samples, cant, s, on_track)
+            samples = irregularity.without_cant(folder / source.file, one.samples, cant, s, on_track)
             sources[number] = source.model_copy(update={"samples": samples})
     return scenario.varied(irregularity=tuple(sources)) if any(one.absolute for one in found.values()) else scenario
 
 
-def _contents(contact):
-    """What the names in a contact stand for; without what cannot be read, about which whoever needs it complains."""
+def _contents(contact, known):
+    """What the names in a contact stand for but for those that are `known`.
+
+    What cannot be read is left out; whoever needs it complains.
+    """
+    found = {}
     for key, kind in PROFILES.items():
-        if place := getattr(contact, key):
+        if (place := getattr(contact, key)) and place not in known:
             with suppress(InputError):
-                yield place, load_profile(place, kind)
+                found[place] = load_profile(place, kind)
     for key in TABLES:
-        if place := getattr(contact, key):
-            from .tables import identity  # only now: it loads all that builds tables
-
-            if found := identity(place):
-                yield place, found
+        if (place := getattr(contact, key)) and place not in known and (digest := identity(place)):
+            found[place] = digest
+    return found
 
 
-def _with_table(section, number, path, gauge):
+def _with_table(section, number, folder, where, gauge):
     """The same section; a measured one that names a file as what is in that file."""
     if not (isinstance(section, dict) and section.get("kind") == "measured" and "file" in section):
         return section
-    where = f"{path}: track[{number}]"
+    where = f"{where}: track[{number}]"
     chord = None
     for key in sorted(set(section) - {"kind", "file"}):
         stem, unit = toml.split_unit(key)
@@ -291,7 +288,7 @@ def _with_table(section, number, path, gauge):
         chord = section[key] * unit.times / unit.over
     if not isinstance(section["file"], str):
         raise InputError(f"{where}.file", f"must be a text in quotes, got {section['file']!r}")
-    return read_alignment(path.parent / section["file"], chord, gauge)
+    return read_alignment(folder / section["file"], chord, gauge)
 
 
 def _is_path(text):
@@ -299,8 +296,8 @@ def _is_path(text):
     return text.endswith(".toml") or "/" in text or "\\" in text
 
 
-def _beside(value, path):
+def _beside(value, folder):
     """A file name (it has an ending or a folder) relative to the scenario; a bundled name as it is."""
     if isinstance(value, str) and ("/" in value or "\\" in value or Path(value).suffix):
-        return str(path.parent / value)
+        return str(folder / value)
     return value

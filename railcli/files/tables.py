@@ -1,10 +1,9 @@
-"""Contact tables on disk: whole, sealed, checked, for the right profiles; and those that a scenario needs."""
+"""Contact tables on disk: whole, sealed, checked, for the right profiles; and their places in the user's cache."""
 
 import hashlib
 import json
 import math
 import shlex
-import sys
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,27 +11,20 @@ from pathlib import Path
 import numpy as np
 
 from railcli import __version__
-from railcli.analysis.build_table import build_table
-from railcli.analysis.certify import LIMITS, SEED, certify
-from railcli.analysis.certify import shortcomings as of_geometry
-from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
 from railcli.kernels import jit
 from railcli.kernels.layout import HEIGHTS, NODE_CHANNELS, Node, Part
-from railcli.model.contact_table import VERSION, ContactTable, TableSettings, check_tape, table_key
+from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
 from railcli.model.heights import LEAST, knots_of, places
-from railcli.model.system import needed, table_settings
 
 from . import seal
 from .output import cache_folder, whole_hdf5
-from .profiles import BUNDLED, load_profile, profile_of, settings_on
-from .progress import Progress
+from .profiles import BUNDLED, load_profile
 from .user_file import regular
 
 HEAD_SIZE = seal.HEAD_SIZE
 TITLE = "railcli contact table"
 _head, _head_of = partial(seal.head, TITLE), partial(seal.head_of, TITLE)
-POSES_UNASKED = 2000  # of the certificate of a table that a command builds because it needs one
 SAME = 1e-12  # settings that differ by rounding of their units only
 CACHE = "tables"
 ARRAYS = {
@@ -323,139 +315,6 @@ def profiles_of(table, path, wheel=None, rail=None):
     return profiles
 
 
-def make(
-    wheel, rail, settings, method="simplex", poses=POSES_UNASKED, quiet=False, announce=None, seed=None, warns=True
-):
-    """Build a contact table and certify it, with progress on stderr.
-
-    Parameters
-    ----------
-    poses : int
-        Poses of the certificate; 0: none.
-    announce : callable, optional
-        Called with a sentence when something has to be compiled first.
-    warns : bool
-        Warn of its shortcomings.
-
-    Returns
-    -------
-    table : ContactTable
-    facts : dict
-        As `analysis.build_table`.
-    certificate : dict
-        Empty without poses.
-    """
-    warm_tables(wheel, rail, settings, announce)
-    total, unit = (100.0, "%") if settings.stores_heights else (settings.positions, "positions")
-    with Progress("Contact table", total, unit, quiet) as progress:
-        table, facts = build_table(wheel, rail, settings, method, lambda share: progress.update(share * total))
-    if not poses:
-        return table, facts, {}
-    certificate = measure(table, wheel, rail, poses, quiet, seed)
-    if warns:
-        warn(certificate, wheel, rail)
-    return table, facts, certificate
-
-
-def warn(certificate, wheel, rail):
-    """Say on stderr in what a table falls short of its limits."""
-    if found := shortcomings(certificate):
-        print(
-            f"Warning: contact table of {wheel.name} on {rail.name}: {'; '.join(found)}; smooth measured profiles "
-            "(railcli profile import --smooth 4, or 8) or refine the grid (railcli build-lut --accuracy)",
-            file=sys.stderr,
-        )
-
-
-def shortcomings(certificate):
-    """Sentences that say in what a table falls short of its limits, geometry and forces; none for a good one."""
-    from railcli.analysis import certify_forces
-
-    found = of_geometry(certificate) if "branches" in certificate else []
-    return found + certify_forces.shortcomings(certificate["forces"])
-
-
-def limits(table):
-    """Limits of p99 errors that a good table keeps, by the keys of its certificate."""
-    from railcli.analysis import certify_forces
-
-    return certify_forces.LIMITS if table.settings.stores_heights else {**LIMITS, **certify_forces.LIMITS}
-
-
-def measure(table, wheel, rail, poses, quiet=False, seed=None, axis=None):
-    """Certificate of a table at its usual poses or those of another seed; progress on stderr.
-
-    axis : of geometry alone, along one axis, as `analysis.certify` takes it.
-
-    Returns
-    -------
-    dict
-        As `analysis.certify` gives it, but poses and seed alone of a table of heights; `forces` as
-        `analysis.certify_forces`.
-    """
-    from railcli.analysis import certify_forces
-
-    seed = SEED if seed is None else seed
-    certificate = {"poses": poses, "seed": seed}
-
-    def measured(title, certify, *rest):
-        with Progress(title, poses, "poses", quiet) as progress:
-            found = certify(table, wheel, rail, poses, seed, lambda share: progress.update(share * poses), *rest)
-            progress.update(poses)
-        return found
-
-    if not table.settings.stores_heights:
-        certificate = measured("Certificate of geometry", certify, axis)
-    if axis is None:
-        certificate["forces"] = measured("Certificate of forces", certify_forces.certify_forces)
-    return certificate
-
-
 def cached_path(settings, wheel, rail, method="simplex"):
     """Where the cache keeps the table of these settings and profiles."""
     return cache_folder(CACHE) / f"{table_key(settings, wheel.digest(), rail.digest(), method)[:32]}.h5"
-
-
-def table_for(settings, wheel, rail, quiet=False, announce=None):
-    """The table of these settings and profiles from the user's cache; built and kept there when it is missing.
-
-    A file there that is damaged, or that other sources of the kernels built, is replaced.
-
-    Parameters
-    ----------
-    settings : TableSettings
-    wheel, rail : Profile
-    quiet : bool
-        No progress on stderr.
-    announce : callable, optional
-        Called with a sentence when something has to be compiled first.
-    """
-    path = cached_path(settings, wheel, rail)
-    if path.exists():
-        try:
-            stored = read(path)
-            check_expected(stored.table, path, Expected(wheel, rail, settings))
-            if stored.kernels == jit.source_digest():
-                return stored.table
-        except InputError as error:
-            print(f"Warning: {str(error).partition('; build it')[0]}; it is built again", file=sys.stderr)
-    table, _, certificate = make(wheel, rail, settings, quiet=quiet, announce=announce)
-    save(table, path, certificate)
-    return table
-
-
-def tables_for(scenario, quiet=False, announce=None):
-    """Contact tables of a scenario, one for each pairing that `model.system.needed` names; options as `table_for`."""
-    tables, told = [], set()
-    for pairing in needed(scenario):
-        wheel, rail = profile_of(scenario, pairing.wheel, "wheel"), profile_of(scenario, pairing.rail, "rail")
-        settings = table_settings(scenario, pairing.radius)
-        check_tape(wheel, settings.tape_to_back)
-        settings = settings.on(rail) if rail in told else settings_on([rail], settings)
-        told.add(rail)
-        if pairing.file is None:
-            tables.append(table_for(settings, wheel, rail, quiet, announce))
-        else:
-            expect = Expected(wheel, rail, settings, OF_A_SCENARIO, pairing.wheel, pairing.rail)
-            tables.append(load(pairing.file, expect))
-    return tables

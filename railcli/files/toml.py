@@ -300,23 +300,32 @@ def _shown(value):
 
 
 def _key_hint(description, path, written):
-    """The key that was probably meant, with the unit that the user gave if it fits."""
     owner = _owner(description, path[:-1], written)
     known = [field.alias or name for name, field in owner.model_fields.items()] if owner else []
-    near = nearest(path[-1], known)
+    return key_hint(written[path].key, known)
+
+
+def key_hint(key, known):
+    """Words that follow an unknown key: the known one that was probably meant, with the unit given if it fits."""
+    stem, given = split_unit(key)
+    name = f"{stem}_{given.si}" if given else key
+    near = nearest(name, known)
     if near is None:
-        stem = split_unit(path[-1])[0]
-        near = next((key for key in known if split_unit(key)[0] == stem), None)
+        near = next((one for one in known if split_unit(one)[0] == stem), None)
     if near is None:
-        return hint(path[-1], known) if known else "no keys are allowed here"
+        return hint(name, known) if known else "no keys are allowed here"
     stem, unit = split_unit(near)
     if unit is None:
         return f"did you mean {near!r}?"
-    given = written[path].unit
     if given and given.si == unit.si:
         return f"did you mean {near.removesuffix(unit.si) + _suffix(given)!r}?"
     choices = " or ".join(repr(f"{stem}_{name}") for name, one in UNITS.items() if one.si == unit.si)
     return f"did you mean {choices}?"
+
+
+def in_unit(value, unit):
+    """An SI value in a unit; as it is without one."""
+    return value * unit.over / unit.times if unit else value
 
 
 def _suffix(unit):

@@ -79,7 +79,7 @@ def report(scenario, lines, modes, change, shapes, everything):
         )
     value, frequency, damping = modes.value, modes.frequency, modes.damping
     oscillates = modes.oscillates
-    shown = np.flatnonzero(oscillates) if everything else _drawn(modes)
+    shown = np.flatnonzero(oscillates) if everything else usual(modes)
     rows = [
         (
             str(k + 1), f"{frequency[k]:.3f}", f"{100 * damping[k]:.2f}", f"{value[k].real:+.3f}",
@@ -196,7 +196,7 @@ def shapes_csv(modes, shapes):
 def figures(scenario, modes, shapes, folder):
     """Draw the complex plane and the mode shapes; returns the names of the files."""
     draw(lambda figure: _plane(figure, scenario, modes, shapes), folder / "eigenvalues.png", (10.5, 5.6))
-    drawn = _drawn(modes)[:DRAWN]
+    drawn = usual(modes)[:DRAWN]
     if not drawn.size:
         return ["eigenvalues.png"]
     rows = -(-len(drawn) // 3)
@@ -211,7 +211,7 @@ def figures(scenario, modes, shapes, folder):
 def _plane(figure, scenario, modes, shapes):
     """Eigenvalues that oscillate, up to HIGH, with curves of equal damping ratio and a key to their numbers."""
     axis = figure.subplots()
-    shown = _drawn(modes)
+    shown = usual(modes)
     value, frequency = modes.value[shown], modes.frequency[shown]
     low, top = 0.7 * frequency.min(initial=1.0), 1.5 * frequency.max(initial=1.0)
     left, right = 1.6 * min(value.real.min(initial=-1.0), -1.0), max(2.0 * value.real.max(initial=0.0), 0.5)
@@ -245,7 +245,7 @@ def _plane(figure, scenario, modes, shapes):
     axis.annotate(key, (1.02, 1.0), xycoords="axes fraction", fontsize=7, va="top", family="monospace")
 
 
-def _drawn(modes):
+def usual(modes):
     """Indices of the modes that are printed unasked."""
     return np.flatnonzero(modes.oscillates & (modes.frequency <= HIGH) & (modes.damping <= DEAD))
 

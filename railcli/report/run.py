@@ -9,7 +9,7 @@ from numpy.polynomial.polynomial import polyval
 from railcli.model.track import pack
 
 from .figures import GREY, SERIES, draw
-from .text import columns, conditions, conditions_json, facts
+from .text import columns, conditions, conditions_json, facts, speed
 
 LINE = 118  # characters of a description
 FIGURES = ("wheelsets", "wheel_loads", "lateral_forces", "accelerations")
@@ -25,7 +25,8 @@ ON_IRREGULAR_RAILS = (
 )
 
 
-def _sides(stretch):
+def sides_of(stretch):
+    """Names of the wheels of a wheelset, in the order of SteadyValues."""
     return ("right", "left") if stretch.curvature == 0.0 else ("outer", "inner")
 
 
@@ -38,7 +39,7 @@ def steady_text(stretch, mean, swing, newton):
     mean, swing : SteadyValues
     newton : SteadyValues or None
     """
-    one, other = _sides(stretch)
+    one, other = sides_of(stretch)
     forces = [f"{force} {side}" for force in "QY" for side in (one, other)]
     header = ("", "y mean", "p-p", "Newton", "yaw", "p-p", *forces)
     rows = [("", "mm", "mm", "mm", "mrad", "mrad", *["kN"] * 4)]
@@ -56,6 +57,21 @@ def steady_text(stretch, mean, swing, newton):
             )
         )
     return columns(rows, header)
+
+
+def steady_motion_text(scenario, stretch, values):
+    """Lines of a steady motion alone."""
+    one, other = sides_of(stretch)
+    rows = [("", "mm", "mrad", *["kN"] * 4)]
+    for k in range(values.lateral.size):
+        forces = (f"{force * 1e-3:.2f}" for force in (*values.q_force[k], *values.y_force[k]))
+        rows.append((f"W{k + 1}", f"{values.lateral[k] * 1e3:.3f}", f"{values.yaw[k] * 1e3:.3f}", *forces))
+    place = "to the right" if stretch.curvature == 0.0 else "towards the outer rail"
+    dry = ", without dry friction" if scenario.vehicle.is_dry else ""
+    title = (
+        f"{scenario.name}: steady motion at {speed(scenario.final_speed)}, {stretch.kind}{dry}; lateral values {place}"
+    )
+    return [title, *columns(rows, ("", "y", "yaw", *(f"{force} {side}" for force in "QY" for side in (one, other))))]
 
 
 def settled(mean, newton, dry):
@@ -105,7 +121,7 @@ def vibrates(vibration):
     )
 
 
-def _two_sides(scenario):
+def _twosides_of(scenario):
     """Facts about profiles and radii of both sides, where these differ."""
     lines = []
     (wheel, rail, _), (left_wheel, left_rail, _) = scenario.contact.sides
@@ -147,7 +163,7 @@ def report(scenario, outcome, stretch, steady, step):
             ("reached", reached),
             *conditions(scenario),
             *step,
-            *_two_sides(scenario),
+            *_twosides_of(scenario),
             ("real-time factor", f"{outcome.real_time_factor:.0f} (simulated time over processor time of the steps)"),
         ]
     )
@@ -289,10 +305,10 @@ def summary(scenario, outcome, stretch, steady, provenance, files, step):
         "stretch": stretch.kind,
         "averaged_over_m": scenario.average_over,
         "lateral_positive": "to the right" if stretch.curvature == 0.0 else "towards the outer rail",
-        "wheels": list(_sides(stretch)),
-        "mean": _values(mean),
-        "peak_to_peak": _values(steady.swing),
-        "newton": _values(newton) if newton else None,
+        "wheels": list(sides_of(stretch)),
+        "mean": steady_json(mean),
+        "peak_to_peak": steady_json(steady.swing),
+        "newton": steady_json(newton) if newton else None,
         "sum_Y_kN": float(mean.y_force.sum() * 1e-3),
         "expected_Y_kN": expected[0] * 1e-3,
         "sum_Q_kN": float(mean.q_force.sum() * 1e-3),
@@ -325,7 +341,8 @@ def _vibration(found):
     }
 
 
-def _values(values):
+def steady_json(values):
+    """SteadyValues for a machine; units in the names."""
     return {
         "lateral_mm": values.lateral * 1e3,
         "yaw_mrad": values.yaw * 1e3,

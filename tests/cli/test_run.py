@@ -126,10 +126,10 @@ def test_derailment_keeps_what_was_computed(scenario_file, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--speed", "0"], ["speed_m_per_s: must be > 0 m/s; got 0"]),
-        (["--step", "0"], ["step_ms: must be >= 0.001 ms; got 0"]),
+        (["--speed", "0"], ["speed_m_per_s: must be > 0 m/s, got 0"]),
+        (["--step", "0"], ["step_ms: must be >= 0.001 ms, got 0"]),
         (["--step", "0.3"], ["multiple of the step"]),
-        (["--friction", "-0.1"], ["friction: must be >= 0; got -0.1"]),
+        (["--friction", "-0.1"], ["friction: must be >= 0, got -0.1"]),
     ],
 )
 def test_overrides_are_checked(scenario_file, tmp_path, arguments, words):

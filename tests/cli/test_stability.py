@@ -121,7 +121,7 @@ def test_ctrl_c_keeps_the_cycles_so_far(scenario, tmp_path, monkeypatch):
         yield next(whole(*arguments))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(stability, "ramp", cut_short)
+    monkeypatch.setattr("railcli.studies.critical_speed.ramp", cut_short)
     out = tmp_path / "out"
     arguments = ["--amplitude", 2, "--speeds", "20-40:10", "--from", 30, "-q", "--no-figures", "-o", out]
     result = run("critical-speed", scenario, *arguments)

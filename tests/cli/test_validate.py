@@ -56,7 +56,7 @@ def invented(reference, criteria, *_):
 @pytest.fixture
 def quick(monkeypatch, table):
     """The command with an invented comparison, in no time."""
-    monkeypatch.setattr("railcli.files.tables.tables_for", lambda *_: [table])
+    monkeypatch.setattr("railcli.studies.tables.tables_for", lambda *_: [table])
     monkeypatch.setattr(validate, "compare_manchester", invented)
 
 

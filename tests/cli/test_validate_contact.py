@@ -71,7 +71,7 @@ def test_rejected_is_exit_code_4_with_all_files(monkeypatch, tmp_path):
     criteria["benchmark"]["position_mm"] = 0.001
     monkeypatch.setattr(contact_reference, "contact_criteria", lambda: criteria)
     monkeypatch.setattr(contact_check, "CREEP_LAWS", {"hard": CREEP_LAWS["hard"]})
-    monkeypatch.setattr(contact_reference, "NORMAL_LAWS", {"hertz": NORMAL_LAWS["hertz"]})
+    monkeypatch.setattr("railcli.studies.tables.NORMAL_LAWS", {"hertz": NORMAL_LAWS["hertz"]})
     folder = tmp_path / "out"
     result = run("--no-figures", "--format", "json", "-o", folder)
     assert result.exit_code == 4

@@ -9,18 +9,18 @@ from railcli.analysis.contact_benchmark import deviations
 from railcli.analysis.contact_check import compare_contact
 from railcli.files.contact_reference import (
     benchmark_profiles,
-    benchmark_tables,
     benchmark_wheelset,
     contact_criteria,
     published,
 )
+from railcli.studies.tables import benchmark_tables
 
 REFERENCE = published().benchmark
 
 
 @pytest.fixture(scope="module")
 def outcome():
-    return compare_contact(published(), contact_criteria(), benchmark_wheelset(), benchmark_tables(quiet=True))
+    return compare_contact(published(), contact_criteria(), benchmark_wheelset(), benchmark_tables())
 
 
 def test_criteria_that_count_are_kept(outcome):

@@ -2,11 +2,7 @@
 
 import dataclasses
 import hashlib
-import math
-import os
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +11,10 @@ import pytest
 from railcli.analysis.build_table import build_table
 from railcli.commands.build_lut import build_lut
 from railcli.errors import InputError
-from railcli.files import scenario, tables
-from railcli.files.tables import Expected, check_expected, load, read, save, table_for
+from railcli.files import tables
+from railcli.files.tables import Expected, check_expected, load, read, save
 from railcli.kernels import jit
-from railcli.model.contact_table import TableSettings, mount
-from railcli.model.system import assemble
+from railcli.model.contact_table import TableSettings
 
 ROOT = Path(__file__).parents[2]
 COARSE = TableSettings(normal="hertz", y_step=0.5e-3, roll_step=5e-3, yaw_count=3)
@@ -36,25 +31,6 @@ def file(coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("tables") / "table.h5"
     save(coarse, path, CERTIFICATE)
     return path
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    monkeypatch.setenv("RAILCLI_CACHE_DIR", str(tmp_path))
-    return tmp_path / "tables"
-
-
-@pytest.fixture
-def built(monkeypatch):
-    """List that grows with every table built."""
-    calls = []
-
-    def make(*arguments, honest=tables.make, **options):
-        calls.append(arguments)
-        return honest(*arguments, **options)
-
-    monkeypatch.setattr(tables, "make", make)
-    return calls
 
 
 def same(one, other):
@@ -161,96 +137,3 @@ def test_every_setting_has_its_option():
     fields = [field.name for field in dataclasses.fields(TableSettings)]
     assert list(tables.OPTIONS) == fields
     assert {key: options[key] for key in fields} == {key: tables.OPTIONS[key][0] for key in fields}
-
-
-def test_a_table_is_built_once_and_then_reused(coarse, profiles, cache, built):
-    first = table_for(COARSE, *profiles, quiet=True)
-    second = table_for(COARSE, *profiles, quiet=True)
-    assert len(built) == 1 and same(first, second) and same(first, coarse)
-    table_for(dataclasses.replace(COARSE, gauge=1.436), *profiles, quiet=True)
-    assert len(built) == 2 and len(list(cache.iterdir())) == 2
-
-
-def test_every_pairing_of_a_scenario_gets_its_table(profiles, cache, built, monkeypatch):
-    """Wheels 1 mm smaller on the left of one wheelset, another rail on all of the left: three tables, no more."""
-
-    def coarse_settings(_, radius):
-        return dataclasses.replace(COARSE, radius=radius)
-
-    monkeypatch.setattr(tables, "table_settings", coarse_settings)
-    case = scenario.load("curve-1200-45")
-    bodies = list(case.vehicle.bodies)
-    bodies[3] = bodies[3].model_copy(update={"left_wheel_radius": 0.459})
-    vehicle = type(case.vehicle)(**{**dict(case.vehicle), "bodies": tuple(bodies)})
-    case = case.varied(vehicle=vehicle, contact={"left_rail_profile": "60E1"})
-    found = tables.tables_for(case, quiet=True)
-    assert [(table.rail_name, table.settings.radius) for table in found] == [
-        ("UIC60", 0.46), ("60E1", 0.459), ("60E1", 0.46)
-    ]  # fmt: skip
-    assert len(built) == 3
-    assert assemble(case, found).model.wheel["table"].tolist() == [0, 1, 0, 2, 0, 2, 0, 2]
-
-
-def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, cache, monkeypatch, capsys):
-    wheel, rail = profiles
-    leaning = dataclasses.replace(rail.rotated(-math.atan(1 / 40)), inclined=None)
-    included = dataclasses.replace(leaning, inclined=True)
-    assert included.digest() != leaning.digest()
-    for at in (20.0, 0.0):
-        found = mount(wheel, included, TableSettings(inclination=at))
-        wanted = mount(wheel, leaning, TableSettings(inclination=0.0))
-        assert (found.seat, found.rail.tobytes()) == (wanted.seat, wanted.rail.tobytes())
-    case = scenario.load("straight-60")
-    monkeypatch.setattr(tables, "table_for", lambda settings, *_: settings)
-    for item, inclination, warnings in ((included, 0.0, 0), (leaning, 20.0, 1), (rail, 20.0, 0)):
-        known = dataclasses.replace(item)
-        monkeypatch.setattr(tables, "profile_of", lambda _, place, kind, known=known: {"rail": known}.get(kind, wheel))
-        assert {settings.inclination for settings in tables.tables_for(case)} == {inclination}
-        assert capsys.readouterr().err.count("Warning") == warnings
-
-
-def test_a_named_table_of_the_left_side_must_be_for_it(coarse, file, profiles, tmp_path):
-    case = scenario.load("curve-1200-45")
-    names = {"table": str(file), "left_table": str(file)}
-    assert [same(table, coarse) for table in tables.tables_for(case.varied(contact=names), quiet=True)] == [True]
-    left = tmp_path / "left.h5"
-    save(coarse, left)
-    case = case.varied(contact={**names, "left_rail_profile": "60E1", "left_table": str(left)})
-    with pytest.raises(InputError, match="left.h5: was built for rail profile UIC60, needed: 60E1"):
-        tables.tables_for(case, quiet=True)
-
-
-def test_a_broken_table_in_the_cache_is_built_again_with_a_warning(profiles, cache, built, capsys):
-    table_for(COARSE, *profiles, quiet=True)
-    (path,) = cache.iterdir()
-    path.write_bytes(path.read_bytes()[:-1])
-    table_for(COARSE, *profiles, quiet=True)
-    assert len(built) == 2
-    first, line, second = capsys.readouterr().err.splitlines()
-    assert first == second and first.startswith("Warning: contact table of ORES1002 on UIC60: p99 of ")  # it is coarse
-    assert line.startswith(f"Warning: {path}: is truncated")
-    table_for(COARSE, *profiles, quiet=True)
-    assert len(built) == 2
-
-
-def test_a_table_in_the_cache_that_other_kernels_built_is_replaced(profiles, cache, built, monkeypatch, capsys):
-    with monkeypatch.context() as before:
-        before.setattr(jit, "source_digest", lambda: "0123456789abcdef")
-        table_for(COARSE, *profiles, quiet=True)
-    table_for(COARSE, *profiles, quiet=True)
-    assert len(built) == 2 and "built again" not in capsys.readouterr().err
-
-
-def test_two_processes_that_build_at_once_do_not_disturb_each_other(coarse, profiles, tmp_path):
-    code = (
-        "from railcli.files.tables import *; from railcli.model.contact_table import TableSettings; "
-        "table_for(TableSettings(normal='hertz', y_step=0.5e-3, roll_step=5e-3, yaw_count=3), "
-        "load_profile('ORES1002', 'wheel'), load_profile('UIC60', 'rail'), quiet=True)"
-    )
-    places = {"PYTHONPATH": str(ROOT), "RAILCLI_CACHE_DIR": str(tmp_path)}
-    code_cache = os.environ.get("NUMBA_CACHE_DIR") or str(jit.cache_root() / "code")
-    environment = {**os.environ, **places, "NUMBA_CACHE_DIR": code_cache}
-    both = [subprocess.Popen([sys.executable, "-c", code], env=environment) for _ in range(2)]
-    assert [process.wait(timeout=600) for process in both] == [0, 0]
-    (path,) = (tmp_path / "tables").iterdir()
-    assert same(read(path).table, coarse)
