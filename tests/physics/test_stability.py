@@ -19,7 +19,6 @@ from railcli.files.scenario import load
 from railcli.kernels.recording import new_rows
 from railcli.kernels.step import advance, record
 
-
 LAWS = {"creep_law": "table", "normal": "hertz"}  # whose cycles settle within the runs below
 
 
