@@ -6,7 +6,10 @@ import numpy as np
 
 NODE_CHANNELS = 24
 PATCH_PENETRATIONS = (10e-6, 20e-6, 35e-6, 55e-6, 80e-6, 115e-6, 175e-6, 350e-6)  # of tabulated patches [m]
-HEIGHTS = 8  # energies at which a table of heights is kept; numbers in each of its rows
+LEVELS = 12  # energies at which a table of heights is kept
+PART_LEVELS = (0, 2, 4, 6, 8, 11)  # those at which it holds the parts of the contact
+PARTS = len(PART_LEVELS)
+ROW = 8  # numbers in each row of a table of heights
 PATCH_ROWS = 2  # rows of NODE_CHANNELS behind the nodes that hold the patches of one node
 
 TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll, squared yaw
@@ -34,7 +37,7 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("yaw2_knots", "i8"),
         ("yaw2_basis", "i8"),
         ("coefficients", "i8"),
-        ("parts", "i8"),  # of the contact: HEIGHTS rows for each node
+        ("parts", "i8"),  # of the contact: PARTS rows for each node
         ("shear", "f8"),  # shear modulus of wheel and rail [Pa]
         ("poisson", "f8"),  # [-]
     ],
@@ -86,7 +89,7 @@ PRESS_CHANNELS = len(Press)
 
 
 class Part(IntEnum):
-    """What a table of heights holds of each part of the contact at every height, in rows (theory.md section 6.8)."""
+    """What a table of heights holds of each part of the contact at PART_LEVELS, in rows (theory.md section 6.8)."""
 
     SHARE = 0  # of the normal forces of the wheel [-]
     SLOPE = 1  # tangent of the contact angle of its resultant [-]

@@ -41,8 +41,8 @@ def touch(law, y, roll, yaw):
 def look_up(table, y, z, roll, yaw):
     """Energy and gradient of a table, its patches."""
     sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
-    count, depth, *gradient = stored(
-        table.record[0], table.cell, table.branch, table.heights, y, roll, yaw, z, sample
+    count, _, depth, *gradient = stored(
+        table.record[0], table.cell, table.branch, table.heights, y, roll, yaw, z, 0, sample
     )
     assert count >= 0
     return depth * gradient[1] / POWER, np.array(gradient), sample[:count]
