@@ -180,8 +180,8 @@ def run(system, data, seconds):
 def stored_at(table, y, z, roll, yaw):
     """Energy and gradient of a table of heights, its patches."""
     sample = np.zeros((SAMPLE_ROWS, NODE_CHANNELS))
-    count, depth, *gradient = stored(
-        table.record[0], table.cell, table.branch, table.heights, y, roll, yaw, z, sample
+    count, _, depth, *gradient = stored(
+        table.record[0], table.cell, table.branch, table.heights, y, roll, yaw, z, 0, sample
     )
     assert count >= 0
     return depth * gradient[1] / POWER, np.array(gradient), sample[:count]

@@ -9,22 +9,20 @@ import numpy as np
 
 from railcli.errors import InputError
 from railcli.kernels.branches import PER_CORNER
-from railcli.kernels.columns import POWER, fill_columns
+from railcli.kernels.columns import fill_columns
 from railcli.kernels.difference import height
-from railcli.kernels.layout import HEIGHTS
+from railcli.kernels.layout import LEVELS, PARTS, ROW
 from railcli.kernels.tabulate import solve_orientation
-from railcli.model.heights import LEAST
-from railcli.model.strips import strips_of
+from railcli.model.heights import DEPTHS, LEAST, ORDER, STORED
+from railcli.model.strips import strips_at
 
-DEPTHS = np.array([12.0, 25.0, 42.0, 64.0, 92.0, 128.0, 175.0, 250.0]) * 1e-6
-REFERENCE = 82e9  # N over depth^1.5 of the contact in which DEPTHS are reached, a usual one on a tread [N/m^1.5]
 NO_CONTACT = "at some position of the table no part of the wheel stands on the rail's running surface"
-LEVELS = (0.4 * REFERENCE * DEPTHS**2.5) ** POWER
-TOLERANCE, MOST = 2e-4, 8  # share of the energy that the last iteration adds, and iterations
+TOLERANCE, MOST = 1e-4, 12  # share of the energy that the last iteration adds, and iterations
 ROUGH, ROUGH_MOST = 1e-4, 10  # where only the grid is chosen
 ACCURACY = 2e-3  # error of a height over its depth that the grid allows
-LEAST_ERROR = 0.15e-6  # that is not worth refinement [m]
-LIFTED, CLIMBED = 6e-3, 10.0  # height [m] of a wheel that has climbed its flange, and by what its error may be greater
+LEAST_ERROR = 0.08e-6  # that is not worth refinement [m]
+LEAST_DEPTH = 12e-6  # over which errors are measured [m]
+LIFTED, CLIMBED = 6e-3, 4.0  # height [m] of a wheel that has climbed its flange, and by what its error may be greater
 LINES = (  # roll [rad] and yaw^2 [rad^2] along which the knots of y are chosen
     (0.0, 0.0), (-8e-3, 0.0), (4e-3, 2e-5), (2e-3, 1e-4), (12e-3, 4e-4)
 )  # fmt: skip
@@ -45,11 +43,11 @@ class Stored(NamedTuple):
     counts: tuple  # knots of y, roll and yaw^2
     shear: tuple  # the grid is in y less these times roll and yaw^2 [m/rad, m/rad^2]
     axes: tuple  # knots [m], [rad], [rad^2]
-    values: np.ndarray  # (n_roll, n_yaw2, n_y, HEIGHTS) [m]
+    values: np.ndarray  # (n_roll, n_yaw2, n_y, LEVELS) [m]
     minima: np.ndarray  # (n_pose,) minima of D at each pose
     lateral: np.ndarray  # (n,) their places on the wheel [m]
     basin: np.ndarray  # (n, 2) ends of their basins [m]
-    parts: np.ndarray  # (n HEIGHTS, HEIGHTS) as `columns.fill_columns`
+    parts: np.ndarray  # (n PARTS, ROW) as `columns.fill_columns`
 
 
 class Columns:
@@ -57,7 +55,10 @@ class Columns:
 
     def __init__(self, mounting, settings, station):
         self.mounting, self.station = mounting, station
-        self.strips = strips_of(mounting)
+        strips = strips_at(mounting, DEPTHS)
+        self.strips = np.concatenate([each.strip for each in strips])
+        self.first = np.cumsum([0, *(each.strip.size for each in strips)])
+        self.apart = np.concatenate([each.apart.ravel() for each in strips])
         self.elastic = settings.young / (2.0 * (1.0 - settings.poisson**2))
         self.evaluations = self.crowded = self.solutions = 0
 
@@ -66,17 +67,17 @@ class Columns:
 
         Returns
         -------
-        heights : array (n_y, HEIGHTS)
+        heights : array (n_y, LEVELS)
             [m]
         found, counts, parts
             Minima of D, as `tabulate.solve_orientation` says, and rows of `columns.fill_columns`; empty unless patches.
         """
         found, counts = self.minima(y, roll, yaw2, method)
-        heights = np.zeros((y.size, HEIGHTS))
-        parts = np.zeros((HEIGHTS * int(counts.sum()) if patches else 0, HEIGHTS))
+        heights = np.zeros((y.size, LEVELS))
+        parts = np.zeros((PARTS * int(counts.sum()) if patches else 0, ROW))
         solved = fill_columns(
-            roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips.strip, self.strips.apart,
-            self.elastic, LEVELS, tolerance, most, found, counts, heights, parts,
+            roll, math.sqrt(yaw2), y, *self.mounting.kernel_arguments, self.strips, self.first, self.apart,
+            self.elastic, STORED, tolerance, most, found, counts, heights, parts,
         )  # fmt: skip
         if solved < 0:
             raise InputError("contact geometry", f"{NO_CONTACT}; choose a smaller range of y or roll")
@@ -105,7 +106,7 @@ def refined(knots, evaluate, finest, accuracy):
     knots : array
         To begin with.
     evaluate : callable
-        Of positions (n,): heights (lines, n, HEIGHTS) [m].
+        Of positions (n,): heights (lines, n, LEVELS) [m].
     finest : float
         No interval is less than this.
     accuracy : float
@@ -118,8 +119,8 @@ def refined(knots, evaluate, finest, accuracy):
     while left.any():
         middle = 0.5 * (knots[:-1] + knots[1:])[left]
         true = evaluate(middle)
-        guess = make_interp_spline(knots, values, k=3, axis=1)(middle)
-        allowed = np.maximum(accuracy * (true - true[..., :1] + DEPTHS[0]), LEAST_ERROR * accuracy / ACCURACY)
+        guess = make_interp_spline(knots, values, k=ORDER, axis=1)(middle)
+        allowed = np.maximum(accuracy * (true - true[..., :1] + LEAST_DEPTH), LEAST_ERROR * accuracy / ACCURACY)
         allowed = np.where(true[..., :1] < -LIFTED, CLIMBED * allowed, allowed)
         worst = (np.abs(guess - true) / allowed).max(axis=(0, 2))
         wide = (knots[1:] - knots[:-1])[left] > 1.99 * finest
@@ -207,7 +208,7 @@ def store_heights(columns, settings, method=0, progress=None, accuracy=1.0):
     """
     shear = shears(columns, settings.y_range)
     y, rolls, yaws2 = axes = knots_of(columns, settings, shear, accuracy)
-    values = np.empty((rolls.size, yaws2.size, y.size, HEIGHTS))
+    values = np.empty((rolls.size, yaws2.size, y.size, LEVELS))
     poses = [(i, j) for i in range(rolls.size) for j in range(yaws2.size)]
 
     def solve(pose):

@@ -10,9 +10,9 @@ from railcli.kernels.branches import PER_CORNER, cut_knots, fill_slopes, join_ce
 from railcli.kernels.layout import NODE_CHANNELS, Node
 from railcli.kernels.tabulate import fill_nodes, solve_orientation
 from railcli.model.contact_table import ContactTable, mount
-from railcli.model.heights import pack
+from railcli.model.heights import STORED, pack
 
-from .build_heights import LEVELS, Columns, store_heights
+from .build_heights import Columns, store_heights
 
 METHODS = ("simplex", "locus")
 COARSE_STATION = 0.5e-3  # scan of the tread [m]
@@ -203,7 +203,9 @@ def _with_heights(wheel, rail, settings, method, mounting, regions, station, pro
         node=np.zeros((0, NODE_CHANNELS)),
         cell=cell,
         branch=branch,
-        heights=pack(LEVELS, regions, stored.shear, stored.axes, stored.values, stored.parts),
+        heights=pack(
+            STORED, regions, settings.radius, settings.poisson, stored.shear, stored.axes, stored.values, stored.parts
+        ),
         counts=stored.counts,
     )
     facts = {

@@ -69,7 +69,7 @@ class LookUp:
 
     def __call__(self, pose, z):
         if self.heights is not None:
-            count, _, by_y, by_z, *_ = stored(self.record, *self.arrays, self.heights, *pose, z, self.sample)
+            count, _, _, by_y, by_z, *_ = stored(self.record, *self.arrays, self.heights, *pose, z, 0, self.sample)
             return _of_parts(by_y, by_z, self.sample[:count]) if 0 <= count <= MAX_CONTACT else None
         count = look_up(self.record, self.node, *self.arrays, *pose, z, self.sample)
         return _of_branches(self.sample[:count]) if 0 <= count <= MAX_CONTACT else None

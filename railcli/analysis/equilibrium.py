@@ -241,7 +241,7 @@ def _first_force(model, table, sample, deep):
     """As `touching_depth`, from a table of heights."""
 
     def force(depth):
-        return stored(table, model.cell, model.branch, model.heights, 0.0, 0.0, 0.0, depth, sample)[3]
+        return stored(table, model.cell, model.branch, model.heights, 0.0, 0.0, 0.0, depth, 0, sample)[4]
 
     low, high = -deep, deep
     if force(low) > 0.0 or not force(high) > 0.0:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railcli.kernels.columns import bear
-from railcli.kernels.layout import HEIGHTS, Part
+from railcli.kernels.layout import ROW, Part
 from railcli.kernels.overlap import OVERLAP
 from railcli.model.strips import strips_of
 
@@ -25,7 +25,7 @@ class Bearing:
         [J]
     gradient : array (4,)
         By y, z [N], roll and yaw [N m]: minus the force and moment on the wheel.
-    patches : array (k, HEIGHTS)
+    patches : array (k, ROW)
         Loaded parts from the flange to the field side, members of `kernels.layout.Part`, semi-axes in [m].
     overlap : OVERLAP array (n,)
         Of every strip.
@@ -66,7 +66,7 @@ class Law:
         minima = direct_minima(self.mounting, (y, roll, yaw), self.stations) if minima is None else minima
         n = self.strips.strip.size
         row, h, q, chi = np.zeros(n, OVERLAP), np.zeros(n), np.zeros(n), np.zeros(self.strips.nodes)
-        patches = np.zeros((minima.shape[0], 1, HEIGHTS))
+        patches = np.zeros((minima.shape[0], 1, ROW))
         arguments = self.mounting.kernel_arguments[:5]
         energy, *gradient = bear(
             z, roll, yaw, y, *arguments, self.strips.strip, self.strips.apart, self.elastic,

@@ -13,8 +13,8 @@ import numpy as np
 from railcli import __version__
 from railcli.errors import InputError
 from railcli.kernels import jit
-from railcli.kernels.layout import HEIGHTS, NODE_CHANNELS, Node, Part
-from railcli.model.contact_table import VERSION, ContactTable, TableSettings, table_key
+from railcli.kernels.layout import NODE_CHANNELS, PARTS, ROW, Node, Part
+from railcli.model.contact_table import ContactTable, TableSettings, table_key, version
 from railcli.model.heights import LEAST, knots_of, places
 
 from . import seal
@@ -128,7 +128,7 @@ def save(table, path, certificate=None):
         file.attrs.update(
             {
                 "format": TITLE,
-                "version": VERSION,
+                "version": version(table.settings.stores_heights),
                 "settings": json.dumps(table.settings.as_dict()),
                 "wheel_name": table.wheel_name,
                 "rail_name": table.rail_name,
@@ -182,9 +182,10 @@ def read(path):
     try:
         with h5py.File(path, "r", locking=False) as file:
             attributes = {key: value for key, value in file.attrs.items()}
-            if (version := attributes.get("version")) != VERSION:
+            found, wanted = attributes.get("version"), version("heights" in file)
+            if found != wanted:
                 raise InputError(
-                    path, f"is of version {version}; this railcli reads version {VERSION}; {_build_again(path)}"
+                    path, f"is of version {found}; this railcli reads version {wanted}; {_build_again(path)}"
                 )
             arrays = {name: seal.whole(file[name]) for name in ARRAYS if name in file}
             if "heights" in file:
@@ -239,12 +240,12 @@ def _inconsistency(table):
     if len(table.counts) != 3 or min(table.counts) < (LEAST if s.stores_heights else 2):
         return f"{table.counts} are no counts of knots"
     cells = math.prod(count - 1 for count in table.counts)
-    rows = places(table.counts)[-1] + HEIGHTS * max(table.points, 1) if s.stores_heights else 0
+    rows = places(table.counts)[-1] + PARTS * max(table.points, 1) if s.stores_heights else 0
     layout = {
         "node": (np.float64, (node.shape[0], NODE_CHANNELS)),
         "cell": (np.int32, (cells + 1,)),
         "branch": (np.int32, (branch.shape[0], 8)),
-        "heights": (np.float64, (rows, HEIGHTS)),
+        "heights": (np.float64, (rows, ROW)),
     }
     for name, (dtype, shape) in layout.items():
         array = getattr(table, name)

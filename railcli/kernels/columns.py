@@ -10,11 +10,11 @@ import numpy as np
 from .branches import PER_CORNER
 from .difference import locus, wheel_axes
 from .jit import builder, kernel
-from .layout import HEIGHTS, Part
+from .layout import LEVELS, PART_LEVELS, PARTS, ROW, Part
 from .overlap import OVERLAP, spread
 from .strips import CHI, CHI_RANGE, LANE_ROWS, LANES, press
 
-FIRST_DEPTH = 30e-6  # beyond first touch, where the search for the first height begins [m]
+FIRST_DEPTH = 12e-6  # beyond first touch, where the search for the first height begins [m]
 TRIES = 10
 NEAR = 0.03  # difference from a wanted w that a tangent bridges [-]
 DEEPER = 2.5  # times as deep where first touch falls between strips
@@ -23,7 +23,35 @@ CLOSE = 0.6e-3  # positions so near that the loads at one are a good guess at th
 ALONG = 2.1
 LOOSE = 0.6  # line load over E* h to begin with
 SMALL = 1e-4  # semi-axes over sqrt(w) of a part that never bears
+BESIDE = 1.0 / 12.0  # share of each neighbour's load in a strip's for its pressure: single strips vary (theory.md 6.8)
 POWER = 0.4  # w = U^POWER is about proportional to the depth
+
+
+@kernel
+def bend_weights(strip, i):
+    """What the strips below and above i add to the mean of the overlap over its width, each less its own [-].
+
+    The mean of the parabola through the three; nothing at the ends of the strips.
+    """
+    if i == 0 or i == strip.size - 1:
+        return 0.0, 0.0
+    below, above = strip[i]["arc"] - strip[i - 1]["arc"], strip[i + 1]["arc"] - strip[i]["arc"]
+    share = strip[i]["width"] * strip[i]["width"] / (12.0 * (below + above))
+    return share / below, share / above
+
+
+@kernel
+def average(strip, row, first, last, h):
+    """Replace overlaps h at the middles of strips first ... last - 1 by their means over the widths.
+
+    Rows of the strips beside those that overlap are filled too: that is where `overlap.spread` finds the ends.
+    """
+    for i in range(first, last):
+        if h[i] > 0.0:
+            low, high = bend_weights(strip, i)
+            if low > 0.0:
+                here = row[i]["h"]
+                h[i] = here + low * (row[i - 1]["h"] - here) + high * (row[i + 1]["h"] - here)
 
 
 @kernel
@@ -41,6 +69,7 @@ def pressed_to(z, y, e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, to
             low, high = spread(minima[j, 0], y, z, e, f, d, r0, seat, wheel, w0, wh, strip, row, h)
             if low < high:
                 first, last = min(first, low), max(last, high)
+    average(strip, row, first, last, h)
     for i in range(strip.size):
         if not h[i] > 0.0:
             q[i] = 0.0
@@ -57,40 +86,44 @@ def pressed_to(z, y, e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, to
 
 
 @kernel
-def stretch(ratio, strip, q, old):
-    """Guess line loads at a depth `ratio` times that of q: each run grows as Hertz's patch does. old : (n,) scratch."""
-    n = strip.size
+def stretch(ratio, source_strip, old, strip, q):
+    """Guess line loads at a depth `ratio` times that of loads `old` on other strips: each run grows as Hertz's patch.
+
+    source_strip, old : strips and loads; strip, q : those to fill.
+    """
+    n, last = old.size, q.size - 1
+    q[:] = 0.0
     root = 1.0 / sqrt(ratio)
-    for i in range(n):
-        old[i] = q[i]
-        q[i] = 0.0
-    i = 0
+    i, k = 0, 0
     while i < n:
         if not old[i] > 0.0:
             i += 1
             continue
         end, load, centre = i, 0.0, 0.0
         while end < n and old[end] > 0.0:
-            part = old[end] * strip[end]["width"]
+            part = old[end] * source_strip[end]["width"]
             load += part
-            centre += part * strip[end]["arc"]
+            centre += part * source_strip[end]["arc"]
             end += 1
         centre /= load
-        low = centre + (strip[i]["arc"] - strip[i]["width"] - centre) / root
-        high = centre + (strip[end - 1]["arc"] + strip[end - 1]["width"] - centre) / root
-        k, source = i, i
+        low = centre + (source_strip[i]["arc"] - source_strip[i]["width"] - centre) / root
+        high = centre + (source_strip[end - 1]["arc"] + source_strip[end - 1]["width"] - centre) / root
         while k > 0 and strip[k - 1]["arc"] > low:
             k -= 1
-        while k < n and strip[k]["arc"] < high:
+        while k < last and not strip[k]["arc"] > low:
+            k += 1
+        at = i
+        while k <= last and strip[k]["arc"] < high:
             place = centre + (strip[k]["arc"] - centre) * root
-            while source < end - 1 and strip[source + 1]["arc"] < place:
-                source += 1
-            after = min(source + 1, n - 1)
-            gap = strip[after]["arc"] - strip[source]["arc"]
-            part = min(max((place - strip[source]["arc"]) / gap, 0.0), 1.0) if gap > 0.0 else 0.0
-            value = old[source] + part * ((old[after] if after < end else 0.0) - old[source])
+            while at < end - 1 and source_strip[at + 1]["arc"] < place:
+                at += 1
+            after = min(at + 1, n - 1)
+            gap = source_strip[after]["arc"] - source_strip[at]["arc"]
+            part = min(max((place - source_strip[at]["arc"]) / gap, 0.0), 1.0) if gap > 0.0 else 0.0
+            value = old[at] + part * ((old[after] if after < end else 0.0) - old[at])
             q[k] = max(q[k], ratio * value)
             k += 1
+        k = min(k, last)
         i = end
 
 
@@ -126,11 +159,11 @@ def part_of(s, minima, count):
 def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patches):
     """Write the share, place and size of each part of the contact at one height into its rows (members of `Part`).
 
-    Strips that bear side by side are one part, of the minimum in whose basin they bear most. Pressures are those of the
-    mean loads from which half lengths follow.
+    Strips that bear side by side are one part, of the minimum in whose basin they bear most. Pressures are those of
+    loads that take BESIDE from either side.
 
     w : U^POWER [J^POWER].  n, work : as `strips.press` returns them.  sums : (count, 9) scratch.
-    patches : (count, HEIGHTS, HEIGHTS) filled at `level`.
+    patches : (count, PARTS, ROW) filled at `level`, which counts PART_LEVELS.
     """
     sums[:count] = 0.0
     total = 0.0
@@ -156,7 +189,8 @@ def describe_parts(w, n, minima, count, strip, row, q, work, sums, level, patche
             part[4] += load * row[i]["radius"]
             part[5] += 2.0 * half * strip[i]["width"]
             part[6] = max(part[6], half)
-            mean = 0.5 * q[i] + 0.25 * (q[max(i - 1, 0)] + q[min(i + 1, q.size - 1)])
+            beside = q[max(i - 1, 0)] + q[min(i + 1, q.size - 1)]
+            mean = (1.0 - 2.0 * BESIDE) * q[i] + BESIDE * beside
             part[8] = max(part[8], 2.0 * mean / (pi * half))
             total += load
         k = max(end, k + 1)
@@ -180,18 +214,18 @@ def complete_parts(e, f, d, r0, wheel, w0, wh, minima, count, patches):
     for j in range(count):
         _, _, slope, radius = locus(minima[j, 0], e, f, d, r0, wheel, w0, wh)
         known = False
-        for turn in range(2 * HEIGHTS):
-            level = HEIGHTS - 1 - turn if turn < HEIGHTS else turn - HEIGHTS
+        for turn in range(2 * PARTS):
+            level = PARTS - 1 - turn if turn < PARTS else turn - PARTS
             here = patches[j, level]
             if here[Part.SHARE] > 0.0:
                 known = True
-            elif known or turn >= HEIGHTS:
-                other = level + 1 if turn < HEIGHTS else level - 1
-                if known and 0 <= other and other < HEIGHTS:
-                    for c in range(1, HEIGHTS):
+            elif known or turn >= PARTS:
+                other = level + 1 if turn < PARTS else level - 1
+                if known and 0 <= other and other < PARTS:
+                    for c in range(1, ROW):
                         here[c] = patches[j, other, c]
         if not known:
-            for level in range(HEIGHTS):
+            for level in range(PARTS):
                 here = patches[j, level]
                 here[Part.SLOPE], here[Part.LATERAL], here[Part.RADIUS] = slope, minima[j, 0], radius
                 here[Part.SEMI_X], here[Part.SEMI_Y] = SMALL, SMALL
@@ -220,7 +254,7 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, apart, elastic, tolera
         Filled: OVERLAP, its h [m] and the line loads [N/m] of every strip.
     chi : array
         Filled with the slenderness factors.
-    patches : array (k, 1, HEIGHTS)
+    patches : array (k, 1, ROW)
         Filled with the part of each minimum, SEMI_X and SEMI_Y in [m].
 
     Returns
@@ -249,13 +283,16 @@ def bear(z, roll, yaw, y, r0, seat, wheel, w0, wh, strip, apart, elastic, tolera
         for i in range(n):
             load = q[i] * strip[i]["width"]
             if load > 0.0:
-                by_y, by_z = by_y + load * row[i]["by_y"], by_z + load * row[i]["by_z"]
-                by_roll, by_yaw = by_roll + load * row[i]["by_roll"], by_yaw + load * row[i]["by_yaw"]
+                low, high = bend_weights(strip, i)
+                for k in range(max(i - 1, 0), min(i + 2, n)):
+                    part = load * (low if k < i else high if k > i else 1.0 - low - high)
+                    by_y, by_z = by_y + part * row[k]["by_y"], by_z + part * row[k]["by_z"]
+                    by_roll, by_yaw = by_roll + part * row[k]["by_roll"], by_yaw + part * row[k]["by_yaw"]
     return energy, by_y, by_z, by_roll, by_yaw
 
 
 @builder
-def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apart, elastic,
+def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strips, first, aparts, elastic,
                  levels, tolerance, most, found, counts, heights, parts):  # fmt: skip
     """Heights and patches for every lateral position of one orientation.
 
@@ -263,14 +300,18 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
     ----------
     y : array (n_y,)
         [m]
-    levels : array (HEIGHTS,)
+    strips, first : STRIP array (n,), array (LEVELS + 1,)
+        Strips of each level in turn, and where they begin.
+    aparts : array (sum of squares of their numbers,), single precision
+        Their distances, as `strips.press`, one level after another.
+    levels : array (LEVELS,)
         U^POWER, rising [J^POWER].
     found, counts : arrays (n_y, PER_CORNER, 6), (n_y,)
         Minima of the difference surface, as `difference.minima`.
-    heights : array (n_y, HEIGHTS)
+    heights : array (n_y, LEVELS)
         Filled with z of T [m].
-    parts : array (n * HEIGHTS, HEIGHTS)
-        Filled: rows of each minimum in turn, members of `Part`, one for every height. Without rows: not filled.
+    parts : array (n * PARTS, ROW)
+        Filled: rows of each minimum in turn, members of `Part`, one for each of PART_LEVELS. Without rows: not filled.
 
     Returns
     -------
@@ -278,11 +319,17 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
         Solutions found.
     """
     e, f, d = wheel_axes(roll, yaw)
-    size = strip.size
-    row, h, q, chi = np.zeros(size, OVERLAP), np.zeros(size), np.zeros(size), np.empty(strip[size - 1]["hat"] + 2)
+    size, nodes = 0, 0
+    apart_first = np.zeros(LEVELS + 1, np.int64)
+    for level in range(LEVELS):
+        n = first[level + 1] - first[level]
+        size, nodes = max(size, n), max(nodes, strips[first[level + 1] - 1]["hat"] + 2)
+        apart_first[level + 1] = apart_first[level] + n * n
+    rows, loads, overlaps = np.zeros(size, OVERLAP), np.zeros(size), np.zeros(size)
     work, lanes, matrix = scratch(size)
-    sums, patches = np.zeros((PER_CORNER, 9)), np.zeros((PER_CORNER, HEIGHTS, HEIGHTS))
-    past, past_chi, past_rate = np.zeros((2, HEIGHTS, size)), np.zeros((2, HEIGHTS, chi.size)), np.zeros(HEIGHTS)
+    chi = np.empty(nodes)
+    sums, patches = np.zeros((PER_CORNER, 9)), np.zeros((PER_CORNER, PARTS, ROW))
+    past, past_chi, past_rate = np.zeros((2, LEVELS, size)), np.zeros((2, LEVELS, nodes)), np.zeros(LEVELS)
     solved, at = 0, 0
     for i in range(y.size):
         gap = y[i] - y[i - 1] if i > 0 else np.inf
@@ -293,20 +340,25 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
             touch = min(touch, found[i, j, 1])
         clear = touch
         chi[:] = CHI
-        q[:] = 0.0
         z, rate, value = touch + FIRST_DEPTH, 0.0, 0.0
-        for level in range(HEIGHTS):
+        part = 0
+        for level in range(LEVELS):
+            strip = strips[first[level] : first[level + 1]]
+            n = strip.size
+            apart = aparts[apart_first[level] : apart_first[level + 1]].reshape((n, n))
+            row, q, h = rows[:n], loads[:n], overlaps[:n]
             if level > 0:
                 z += (levels[level] - value) * (0.5 * (rate + past_rate[level]) if gap < CLOSE else rate)
             if gap < CLOSE:
-                follow(along, past[:, level], past_chi[:, level], q, chi)
+                follow(along, past[:, level, :n], past_chi[:, level], q, chi)
             elif level > 0:
-                stretch(levels[level] / value, strip, q, h)
+                before = strips[first[level - 1] : first[level]]
+                stretch(levels[level] / value, before, past[0, level - 1, : before.size], strip, q)
             else:
                 q[:] = LOOSE * elastic * FIRST_DEPTH
-            n, deep = 0, np.inf
+            taken, deep = 0, np.inf
             for turn in range(TRIES):
-                energy, force, n = pressed_to(
+                energy, force, taken = pressed_to(
                     z, y[i], e, f, d, r0, seat, wheel, w0, wh, strip, apart, elastic, tolerance, most,
                     found[i], count, row, h, q, chi, work, lanes, matrix,
                 )  # fmt: skip
@@ -325,14 +377,15 @@ def fill_columns(roll, yaw, y, r0, seat, wheel, w0, wh, rail, g0, gh, strip, apa
                 z = max(z + (levels[level] - value) * rate, clear + RESTART * (z - clear))
             heights[i, level] = z + (levels[level] - value) * rate
             past[1, level], past_chi[1, level] = past[0, level], past_chi[0, level]
-            past[0, level], past_chi[0, level], past_rate[level] = q, chi, rate
-            if parts.shape[0] > 0:
-                describe_parts(value, n, found[i], count, strip, row, q, work, sums, level, patches)
+            past[0, level, :n], past_chi[0, level], past_rate[level] = q, chi, rate
+            if parts.shape[0] > 0 and level == PART_LEVELS[part]:
+                describe_parts(value, taken, found[i], count, strip, row, q, work, sums, part, patches)
+                part = min(part + 1, PARTS - 1)
         if parts.shape[0] > 0:
             complete_parts(e, f, d, r0, wheel, w0, wh, found[i], count, patches)
             for j in range(count):
-                for level in range(HEIGHTS):
-                    for c in range(HEIGHTS):
+                for level in range(PARTS):
+                    for c in range(ROW):
                         parts[at + level, c] = patches[j, level, c]
-                at += HEIGHTS
+                at += PARTS
     return solved

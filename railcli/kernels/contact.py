@@ -6,10 +6,9 @@ mirrored: lateral position, roll and yaw change sign, and so does the slope that
 
 from math import isfinite, sqrt
 
-from .heights import REGIONS, stored
+from .heights import CREEP, REGIONS, creep_stiffness, mean_direction, stored
 from .hertz import pressure
 from .jit import kernel
-from .kalker import stiffness
 from .layout import (
     MAX_CONTACT,
     Node,
@@ -328,20 +327,20 @@ def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
     """
     param, wheel, rail, sample = model.param[0], model.wheel[w], data.rail[w], data.sample
     table, side = model.table[wheel["table"]], wheel["side"]
-    found, depth, by_y, by_z, by_roll, by_yaw = stored(
-        table, model.cell, model.branch, model.heights, y, roll, yaw, z, sample
+    shifted = model.shift.shape[0] > 0
+    found, level, depth, by_y, by_z, by_roll, by_yaw = stored(
+        table, model.cell, model.branch, model.heights, y, roll, yaw, z, int(rail["level"]), sample
     )
+    rail["level"] = level
     if found <= 0:
         return found
-    total, mean_y, mean_z = 0.0, 0.0, 0.0
-    for j in range(found):
-        slope, share = sample[j, SHARED_SLOPE], sample[j, SHARE]
-        cosine = 1.0 / sqrt(1.0 + slope * slope)
-        total += share
-        mean_y, mean_z = mean_y - share * cosine * slope, mean_z + share * cosine
-    along = (by_y * mean_y + by_z * mean_z) / (mean_y * mean_y + mean_z * mean_z)
-    rest_y, rest_z = (by_y - along * mean_y) / total, (by_z - along * mean_z) / total
-    forward, axle_rail, down, tape = reference(wheel, axes, axle)
+    _, along, rest_y, rest_z = mean_direction(sample, found, by_y, by_z)
+    frame = data.frame[wheel["body"]]
+    sr, sy, cr, cy = frame["sine"][0], frame["sine"][2], frame["cosine"][0], frame["cosine"][2]
+    forward, axle_rail, down = (cy, sy, 0.0), axle, (sy * sr, -cy * sr, cr)
+    if shifted:
+        forward, axle_rail, down = reference(axes, axle)
+    tape = add(scale(side * wheel["lateral"], axle_rail), scale(wheel["radius"], down))
     turn, swing = -side * by_roll, -side * by_yaw
     for j in range(found):
         slope, share = sample[j, SHARED_SLOPE], sample[j, SHARE]
@@ -356,31 +355,35 @@ def touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z):
         size = power_1_5(near)
         push(param, contact, elastic / size, size, near, approach)
         a, b = sample[j, SHARED_SEMI_X], sample[j, SHARED_SEMI_Y]
-        f11, f22, f23, f33 = stiffness(a, b, table["shear"], table["poisson"])
+        f11, f22, f23, f33 = creep_stiffness(
+            model.heights, table["levels"] + CREEP, a, b, table["shear"], table["poisson"]
+        )
         contact["semi_x"], contact["semi_y"] = a, b
         contact["f11"], contact["f22"], contact["f23"], contact["f33"] = f11, f22, f23, f33
         contact["depth"], contact["pressure"] = depth, sample[j, SHARED_PRESSURE]
         contact["region"] = region(model.heights, table["levels"] + REGIONS, lateral)
         normal = (0.0, side * force_y, force_z)
-        lever = sub(lever_arm(axle_rail, side * (wheel["lateral"] + lateral), radius, slope), tape)
+        arm = (contact["arm"][0], contact["arm"][1], contact["arm"][2])
+        if shifted:
+            arm = lever_arm(axle_rail, side * (wheel["lateral"] + lateral), radius, slope)
+        lever = sub(arm, tape)
         turn += dot(normal, cross(forward, lever))
         swing += normal[1] * lever[0]
     couple = add(scale(turn, forward), scale(swing / down[2], down))
-    if model.shift.shape[0] > 0:
+    if shifted:
         couple = turned(axes, couple)
     rail["couple"][0], rail["couple"][1], rail["couple"][2] = couple
     return found
 
 
 @kernel
-def reference(wheel, axes, axle):
-    """In the axes of the rail: forward, axle, down of the wheelset; the bottom of the tape circle from its centre."""
+def reference(axes, axle):
+    """In the axes of the rail: forward, axle and down of the wheelset."""
     along, right, below = axes
     axle = (dot(along, axle), dot(right, axle), dot(below, axle))
     cr = sqrt(1.0 - axle[2] * axle[2])
     forward = (axle[1] / cr, -axle[0] / cr, 0.0)
-    down = cross(forward, axle)
-    return forward, axle, down, add(scale(wheel["side"] * wheel["lateral"], axle), scale(wheel["radius"], down))
+    return forward, axle, cross(forward, axle)
 
 
 @kernel

@@ -12,8 +12,11 @@ import numpy as np
 from numba import types
 
 from .jit import constant, mutable
-from .table_layout import HEIGHTS as HEIGHTS
+from .table_layout import LEVELS as LEVELS
 from .table_layout import NODE_CHANNELS as NODE_CHANNELS
+from .table_layout import PART_LEVELS as PART_LEVELS
+from .table_layout import PARTS as PARTS
+from .table_layout import ROW as ROW
 from .table_layout import TABLE as TABLE
 from .table_layout import Node as Node
 from .table_layout import Part as Part
@@ -248,6 +251,7 @@ RAIL = np.dtype(  # derived: force of one wheel on its rail, and how far that ra
         ("couple", "f8", 3),  # moment on the wheelset beside that of the forces of its patches [N m]
         ("give", "f8", 2),  # how far it gives way under the wheel beside that: to the right, down [m]
         ("seat", "f8", 2),  # its force on its springs and dampers, to the right, down [N]
+        ("level", "f8"),  # of its table of heights, from which the next search begins
     ],
     align=True,
 )
@@ -297,7 +301,7 @@ class Model(NamedTuple):
     node: np.ndarray  # (n_node, NODE_CHANNELS); behind a table's nodes their patches, if any
     cell: np.ndarray  # (n_cell + 1,) first branch of each cell
     branch: np.ndarray  # (n_branch, 8) node of each corner; -1: the branch ends before it
-    heights: np.ndarray  # (n, HEIGHTS) tables of heights: `heights.stored`; n = 0: none
+    heights: np.ndarray  # (n, ROW) tables of heights: `heights.stored`; n = 0: none
     creep: np.ndarray  # (n, 4) creep_table.tabulate; empty unless the creep law needs it
     shift: np.ndarray  # (n, SHIFT_CHANNELS) displacement of the rails at equal distances; n = 0: they lie ideally
     matrix: np.ndarray  # (n, 12, 6) stiffness above damping over x, y, z, roll, pitch, yaw [N/m, N, N m/rad ... and s]
@@ -420,7 +424,7 @@ def new_data(model, q, n_damper):
 
 
 NO_SHIFT = np.zeros((0, SHIFT_CHANNELS))  # Model.shift of rails in their ideal place
-NO_HEIGHTS = np.zeros((0, HEIGHTS))
+NO_HEIGHTS = np.zeros((0, ROW))
 NO_MATRIX = np.zeros((0, 12, 6))
 
 

@@ -7,12 +7,13 @@ from numba import types
 from numba.core.cgutils import ir
 from numba.extending import intrinsic
 
-from .layout import HEIGHTS, NODE_CHANNELS, Node
+from .layout import NODE_CHANNELS, ROW, Node
 
 WIDTH = 8  # channels summed at a time
 LANE = ir.IntType(32)
-LANES = ir.VectorType(LANE, HEIGHTS)
+LANES = ir.VectorType(LANE, ROW)
 VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+FOUR = ir.VectorType(ir.DoubleType(), 4)
 VALUE = (0,) * NODE_CHANNELS
 BENT = tuple(  # which of the weights each channel takes: that of the corner, or of its slope over y, roll, yaw^2
     {"Y": 1, "ROLL": 2, "YAW2": 3}[channel.name.rpartition("_")[2]] if channel < Node.GAP else 0 for channel in Node
@@ -84,29 +85,27 @@ def _address(context, builder, kind, array, index, per_row):
 
 
 def _weave(context, builder, signature, arguments):
-    heights, first, per_roll, per_yaw2, *weights, results, row = arguments
+    heights, first, per_roll, per_yaw2, per_y, *weights, results, row = arguments
     by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2 = weights
-    start = _address(context, builder, signature.args[0], heights, first, HEIGHTS)
-
-    def times(vector, weight, c):
-        lane = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), builder.extract_value(weight, c), LANE(0))
-        return builder.fmul(
-            vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * HEIGHTS)), flags=["contract"]
-        )
+    start = context.make_array(signature.args[0])(context, builder, heights).data
 
     def add(total, vector, weight, c):
-        term = times(vector, weight, c)
+        lane = builder.insert_element(ir.Constant(FOUR, ir.Undefined), builder.extract_value(weight, c), LANE(0))
+        weight = builder.shuffle_vector(lane, lane, ir.Constant(ir.VectorType(LANE, 4), (0,) * 4))
+        term = builder.fmul(vector, weight, flags=["contract"])
         return term if total is None else builder.fadd(total, term, flags=["contract"])
 
+    corners = range(len(signature.args[5]))
     value = along_y = along_roll = along_yaw2 = None
-    for a in range(4):
+    for a in corners:
         plain = bent = turned = None
-        for b in range(4):
+        for b in corners:
             index = builder.add(builder.mul(per_roll, per_roll.type(a)), builder.mul(per_yaw2, per_yaw2.type(b)))
+            index = builder.add(first, index)
             height = sloped = None
-            for c in range(4):
-                place = builder.mul(builder.add(index, index.type(c)), index.type(HEIGHTS))
-                vector = builder.load(builder.bitcast(builder.gep(start, [place]), VECTOR.as_pointer()), align=8)
+            for c in corners:
+                place = builder.gep(start, [builder.add(index, builder.mul(per_y, per_y.type(c)))])
+                vector = builder.load(builder.bitcast(place, FOUR.as_pointer()), align=8)
                 height, sloped = add(height, vector, by_y, c), add(sloped, vector, slope_y, c)
             plain, bent = add(plain, height, by_yaw2, b), add(bent, sloped, by_yaw2, b)
             turned = add(turned, height, slope_yaw2, b)
@@ -114,7 +113,7 @@ def _weave(context, builder, signature, arguments):
         along_yaw2, along_roll = add(along_yaw2, turned, by_roll, a), add(along_roll, plain, slope_roll, a)
     for k, vector in enumerate((value, along_y, along_roll, along_yaw2)):
         at = _address(context, builder, signature.args[-2], results, builder.add(row, row.type(k)), NODE_CHANNELS)
-        builder.store(vector, builder.bitcast(at, VECTOR.as_pointer()), align=8)
+        builder.store(vector, builder.bitcast(at, FOUR.as_pointer()), align=8)
     return context.get_dummy_value()
 
 
@@ -123,16 +122,16 @@ def _mix_two(context, builder, signature, arguments):
     for half in range(2):
         total = None
         for c in range(len(signature.args[1])):
-            start = _address(context, builder, signature.args[0], heights, builder.extract_value(places, c), HEIGHTS)
-            at = builder.gep(start, [ir.IntType(64)(half * HEIGHTS)])
+            start = _address(context, builder, signature.args[0], heights, builder.extract_value(places, c), ROW)
+            at = builder.gep(start, [ir.IntType(64)(half * ROW)])
             vector = builder.load(builder.bitcast(at, VECTOR.as_pointer()), align=8)
             lane = builder.insert_element(
                 ir.Constant(VECTOR, ir.Undefined), builder.extract_value(weights, c), LANE(0)
             )
-            term = builder.fmul(vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * HEIGHTS)))
+            term = builder.fmul(vector, builder.shuffle_vector(lane, lane, ir.Constant(LANES, (0,) * ROW)))
             total = term if total is None else builder.fadd(total, term)
         out = _address(context, builder, signature.args[-2], results, row, NODE_CHANNELS)
-        at = builder.gep(out, [ir.IntType(64)(half * HEIGHTS)])
+        at = builder.gep(out, [ir.IntType(64)(half * ROW)])
         builder.store(total, builder.bitcast(at, VECTOR.as_pointer()), align=8)
     return context.get_dummy_value()
 
@@ -143,7 +142,7 @@ def mix_two(typingctx, heights, n, w, sample, row):
 
     Parameters
     ----------
-    heights : C-contiguous array (..., HEIGHTS)
+    heights : C-contiguous array (..., ROW)
     n, w : tuples of integers and of as many floats
     sample : C-contiguous array (..., NODE_CHANNELS)
     row : int
@@ -154,23 +153,24 @@ def mix_two(typingctx, heights, n, w, sample, row):
 
 @intrinsic
 def weave(
-    typingctx, heights, first, per_roll, per_yaw2,
+    typingctx, heights, first, per_roll, per_yaw2, per_y,
     by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2, sample, row,
 ):  # fmt: skip
-    """Sum of rows of HEIGHTS numbers over 4 x 4 x 4 products of weights, and the same with one slope in place of each.
+    """Sums of four numbers side by side over all products of weights of three axes, and with slopes in place of one.
 
     Parameters
     ----------
-    heights : C-contiguous array (..., HEIGHTS)
-    first, per_roll, per_yaw2 : int
-        Row of the first term; rows from one roll and one yaw^2 to the next, those of y adjoin.
-    by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2 : tuples of four floats
+    heights : C-contiguous array (..., ROW)
+    first, per_roll, per_yaw2, per_y : int
+        Number in it, counted on over its rows, with which the first four begin; from one roll, yaw^2, y to the next.
+    by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2 : tuples of as many floats
         Weights along each axis and their derivatives.
     sample : C-contiguous array (..., NODE_CHANNELS)
-        From its `row` on filled with the sum and its derivatives by y, roll and yaw^2, a row each.
+        The first four of its `row` are filled with the sums, those of the next three with their derivatives by y, roll
+        and yaw^2.
     row : int
     """
     if not _are_rows(heights, sample):
         return None
     weights = by_y, slope_y, by_roll, slope_roll, by_yaw2, slope_yaw2
-    return types.void(heights, first, per_roll, per_yaw2, *weights, sample, row), _weave
+    return types.void(heights, first, per_roll, per_yaw2, per_y, *weights, sample, row), _weave

@@ -5,7 +5,10 @@ from enum import IntEnum
 import numpy as np
 
 NODE_CHANNELS = 24
-HEIGHTS = 8  # energies at which a table of heights is kept; numbers in each of its rows
+LEVELS = 12  # energies at which a table of heights is kept
+PART_LEVELS = (0, 2, 4, 6, 8, 11)  # those at which it holds the parts of the contact
+PARTS = len(PART_LEVELS)
+ROW = 8  # numbers in each row of a table of heights
 
 TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll, squared yaw
     [
@@ -31,7 +34,7 @@ TABLE = np.dtype(  # one contact table in the pool; axes: lateral position, roll
         ("yaw2_knots", "i8"),
         ("yaw2_basis", "i8"),
         ("coefficients", "i8"),
-        ("parts", "i8"),  # of the contact: HEIGHTS rows for each node
+        ("parts", "i8"),  # of the contact: PARTS rows for each node
         ("shear", "f8"),  # shear modulus of wheel and rail [Pa]
         ("poisson", "f8"),  # [-]
     ],
@@ -69,7 +72,7 @@ class Node(IntEnum):
 
 
 class Part(IntEnum):
-    """What a table of heights holds of each part of the contact at every height, in rows (theory.md section 6.8)."""
+    """What a table of heights holds of each part of the contact at PART_LEVELS, in rows (theory.md section 6.8)."""
 
     SHARE = 0  # of the normal forces of the wheel [-]
     SLOPE = 1  # tangent of the contact angle of its resultant [-]

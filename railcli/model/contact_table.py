@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import HEIGHTS, NO_HEIGHTS, TABLE
+from railcli.kernels.layout import NO_HEIGHTS, PARTS, TABLE
 
-from .heights import places
+from .heights import making, places
 from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .submodels import NORMAL_LAWS, choose
 
@@ -236,7 +236,7 @@ class ContactTable:
     branch : int32 array (n_branch, 8)
         Node, or part of the contact, at each corner of the cell (bit 0: y, 1: roll, 2: yaw^2); -1 where the branch ends
         before it.
-    heights : array (n, HEIGHTS)
+    heights : array (n, ROW)
         As `model.heights.pack`; empty unless `settings.stores_heights`.
     counts : tuple of int
         Knots of y, roll and yaw^2; of the grid of the settings unless `settings.stores_heights`.
@@ -265,7 +265,7 @@ class ContactTable:
     def points(self):
         """Number of contact points."""
         if self.settings.stores_heights:
-            return (self.heights.shape[0] - places(self.counts)[-1]) // HEIGHTS
+            return (self.heights.shape[0] - places(self.counts)[-1]) // PARTS
         return self.node.shape[0]
 
     @property
@@ -294,7 +294,13 @@ class ContactTable:
         return self.node.nbytes + self.cell.nbytes + self.branch.nbytes + self.heights.nbytes
 
 
+def version(stores_heights):
+    """What a table means, with heights or without: one of another version is refused."""
+    return f"{VERSION}, heights {making()}" if stores_heights else VERSION
+
+
 def table_key(settings, wheel_digest, rail_digest, method):
     """Digest of settings, profiles, method and version: two tables with one key are the same table."""
-    text = json.dumps([VERSION, settings.as_dict(), wheel_digest, rail_digest, method], sort_keys=True)
+    found = [version(settings.stores_heights), settings.as_dict(), wheel_digest, rail_digest, method]
+    text = json.dumps(found, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()

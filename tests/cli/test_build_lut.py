@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 from railcli.cli import main
 from railcli.files import tables
+from railcli.model import contact_table
 
 ROOT = Path(__file__).parents[2]
 GRID = ["--normal", "hertz", "--y-step", "0.5", "--roll-step", "5", "--yaw-count", "3"]
@@ -122,7 +123,7 @@ def test_truncated_foreign_and_missing_tables(coarse, tmp_path):
 
 
 def test_table_of_another_version(coarse, tmp_path, monkeypatch):
-    monkeypatch.setattr(tables, "VERSION", tables.VERSION + 1)
+    monkeypatch.setattr(contact_table, "VERSION", contact_table.VERSION + 1)
     result = build("--check", coarse[0])
     assert result.exit_code == 2 and "version" in result.stderr
 
