@@ -16,7 +16,8 @@ from pydantic import BeforeValidator, Field, InstanceOf, computed_field, model_v
 
 from railcli.errors import InputError
 
-from .checks import Description, Name, NotNegative, Positive, Real, one_of
+from . import checks
+from .checks import Description, NotNegative, Positive, Real, one_of
 from .spectra import CHANNELS, SAMPLES_PER_WAVE, SPECTRA, realise
 
 LARGEST = 0.1  # displacement that can be meant [m]
@@ -201,7 +202,7 @@ class Measured(Stretch):
     """
 
     kind: Literal["measured"] = "measured"
-    file: Name
+    file: checks.Place
     offset: Place | None = Field(None, alias="offset_m")  # position in the file at s = 0; None: as the track counts
     vertical_positive: Literal["up", "down"] = "up"
     lateral_positive: Literal["right", "left"] = "right"

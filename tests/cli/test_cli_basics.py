@@ -32,8 +32,8 @@ def test_help_lists_the_commands_in_order_of_use():
     assert result.exit_code == 0
     listed = [line.split()[0] for line in result.stdout.partition("Commands:\n")[2].splitlines()]
     assert listed == [
-        "profile", "build-lut", "contact", "conicity", "track", "run", "assess", "report", "diff", "export", "modes",
-        "critical-speed", "rt-bench", "validate",
+        "profile", "build-lut", "contact", "conicity", "track", "vehicle", "scenario", "run", "assess", "report",
+        "diff", "export", "modes", "critical-speed", "rt-bench", "validate",
     ]  # fmt: skip
 
 

@@ -10,7 +10,8 @@ from railcli.cli import main
 from railcli.files.profiles import load_profile
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples"
-COARSE = "--inclination 0 --y-range 6 --y-step 0.5 --roll-range 2.5 --yaw-range 5 --poses 200 --format json -q"
+GRID = "--normal hertz --inclination 0 --y-range 6 --y-step 0.5 --roll-range 2.5 --yaw-range 5"
+COARSE = GRID + " --poses 200 --format json -q"
 
 
 @pytest.fixture

@@ -113,6 +113,7 @@ def test_totals_are_bounded(tmp_path):
 
 def test_poses_positions_and_names_are_bounded(tmp_path):
     wide = ("--y-range", 100, "--y-step", 0.001, "--roll-range", 200, "--roll-step", 0.01, "--yaw-count", 200)
+    wide = ("--normal", "hertz", *wide)
     (tmp_path / "case.toml").write_text(f"vehicle = '{5000 * 'x'}'\n" + RUN + STRAIGHT.format(10))
     positions, long = refusals(
         tmp_path, [("build-lut", *wide, "-o", "t.h5"), ("run", "scenario", "./case.toml", "-q")]
