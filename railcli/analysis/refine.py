@@ -207,7 +207,11 @@ def refine_knots(settings, accuracy, most_bytes, build, say=None):
         factor = min(max(math.sqrt(ratio), FINER[0]), FINER[1])
         size = table.bytes * factor**KNOTS
         fineness = settings.fineness * factor
-        if size > most_bytes or fineness > LIMITS["fineness"][1]:
+        if fineness > LIMITS["fineness"][1]:
+            raise CheckError(
+                f"accuracy {accuracy:g} % cannot be had with a fineness of at most {LIMITS['fineness'][1]:g}: {reached}"
+            )
+        if size > most_bytes:
             raise CheckError(
                 f"accuracy {accuracy:g} % cannot be had within {most_bytes / 1e6:.3g} MB: the next grid would take "
                 f"{size / 1e6:.3g} MB; {reached}; ask for that, or allow more with --largest"

@@ -36,7 +36,7 @@ class Progress:
     def __enter__(self):
         self._view = None if self._quiet else _Bar(self._title) if _on_terminal() else _Lines(self._title)
         self._start = self._shown = time.monotonic()
-        self._done, self._text = 0, ""
+        self._done, self._text, self._told_end = 0, "", False
         return self
 
     def update(self, done, text=""):
@@ -50,12 +50,12 @@ class Progress:
             Anything else worth seeing, such as the simulated time and the real-time factor.
         """
         self._done, self._text = done, text
-        if self._view and time.monotonic() - self._shown >= self._view.interval:
+        if self._view and not self._told_end and time.monotonic() - self._shown >= self._view.interval:
             self._show()
 
     def __exit__(self, *_):
         if self._view:
-            if self._view.shows_end(time.monotonic() - self._start):
+            if not self._told_end and self._view.shows_end(time.monotonic() - self._start):
                 self._show()
             self._view.close()
 
@@ -64,7 +64,8 @@ class Progress:
         elapsed = max(self._shown - self._start, 1e-9)
         rate = self._done / elapsed
         parts = [f"{_number(rate)} {self._unit}/s"]
-        if self._done >= self._total:
+        self._told_end = self._done >= self._total
+        if self._told_end:
             parts.append(f"{_clock(elapsed)} taken")
         elif rate > 0:
             parts.append(f"{_clock((self._total - self._done) / rate)} left")

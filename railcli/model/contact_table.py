@@ -36,7 +36,7 @@ LIMITS = {
     "young": (1e9, 1e12, "Pa"),
     "poisson": (0.0, 0.5, "-"),
     "curvature_window": (0.0, 0.02, "m"),
-    "fineness": (0.25, 8.0, "-"),
+    "fineness": (0.25, 3.0, "-"),  # 2 GB of a usual pair
 }
 
 

@@ -36,6 +36,7 @@ def test_long_job_gives_a_line_every_few_seconds(clock, capsys):
     assert lines[0] == "Run: 12%, 1 s/s, 0:35 left, 5 x real time"
     assert lines[-1] == "Run: 100%, 1 s/s, 0:40 taken, 40 x real time"
     assert len(lines) <= 40 / progress._Lines.interval + 1
+    assert sum(line.startswith("Run: 100%") for line in lines) == 1
 
 
 def test_short_job_is_silent_in_a_log(clock, capsys):
