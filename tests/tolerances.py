@@ -454,3 +454,7 @@ CANT_BY_PLACE = 2e-6  # [m] a spline over the kinks of a cant ramp of 1.7 mm/m, 
 FITTED_STEP = 1e-4  # rounding to four steps, on the mean of 400
 RESTORED = 2e-4  # [m] of waves of 8 mm in all; the record's ends are 20 chords away
 FOUND_END = 12.0  # [m] half of the 20 m over which curvature is averaged
+
+# Brakes and drives
+UNBOOKED = 1e-3  # of the kinetic energy: the share that a ledger may leave out at a step of 1 ms
+CREEPS_NOT = 1e-6  # [m] within 15 s: a wheelset that its brake holds on a gradient, once the car body swings no more

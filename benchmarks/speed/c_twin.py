@@ -14,10 +14,10 @@ SOURCE = Path(__file__).parent / "c"
 OPTIONS = ("-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-Wall")
 RECORDS = (
     "PARAM", "PIECE", "BODY", "JOINT", "ELEMENT", "CURVE", "WHEEL", "TABLE", "FRAME", "CONTACT", "RAIL",
-    "STIFF", "SUPPORT",
+    "STIFF", "SUPPORT", "AXLE", "ASSEMBLY", "PLAN", "LINE", "PORT", "TRAIN",
 )  # fmt: skip
 ENUMS = (layout.Status, layout.Kind, layout.Axes, layout.Creep, layout.Node, Stage)
-SCALARS = {"f8": "double", "i8": "int64_t", "i4": "int32_t"}
+SCALARS = {"f8": "double", "i8": "int64_t", "i4": "int32_t", "u8": "uint64_t"}
 
 
 def compiler():

@@ -18,6 +18,7 @@ from railcli.kernels.layout import MAX_CONTACT, NO_SHIFT, NODE_CHANNELS, SAMPLE_
 from railcli.kernels.step import advance, evaluate
 from railcli.model.rails import constant as constant_rails
 from railcli.model.sections import Gradient, Straight, Transition
+from railcli.model.system import hold_gain
 from railcli.model.track import Track, constant_track, pack
 
 GROWN = 2  # times that the force which holds the speed takes over what an error of the speed asks of it
@@ -390,8 +391,11 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0, asid
         No steady motion was found: there is none, or it is not smooth there.
     """
     speed = system.speed if speed is None else speed
+    system = system.passive()
     param = system.model.param.copy()
     param["speed"] = speed
+    if system.model.assembly[0]["free"]:  # nobody holds its speed in the run; here a force does
+        param["hold"] = hold_gain(system.model.body[0]["mass"], float(param[0]["step"]))
     base = param[0]["cant_base"]
 
     def into_curve(share, x):

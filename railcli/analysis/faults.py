@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from railcli.kernels.assembly_layout import Valve
 from railcli.kernels.layout import Data, Status
 from railcli.kernels.step import advance
 
@@ -11,7 +12,7 @@ FINER = 4  # a fault is followed once more at the step over this
 BEYOND = 0.5  # time for which it must stay away beyond the moment at which it came [s]
 
 _WHEEL_FAULTS = (Status.LEFT_TABLE, Status.DERAILED, Status.TOO_MANY_CONTACTS, Status.LEFT_SHIFT)
-_ENDS = (Status.OK, Status.LEFT_TRACK, Status.LEFT_SHIFT)  # the way may end; the motion does not fail
+_ENDS = (Status.OK, Status.LEFT_TRACK, Status.LEFT_SHIFT, Status.GUEST)  # the way may end; the motion does not fail
 
 
 def wheel_name(system, wheel):
@@ -41,10 +42,21 @@ def sentence(system, data, status):
     if status == Status.UNKNOWN_ELEMENT:
         kind = system.model.element[culprit]["kind"]
         return f"{when}: force element {culprit + 1} is of kind {kind}, which the core does not know"
+    if status == Status.GUEST:
+        return f"{when}: {guest_fault(data)}"
     name = system.bodies[culprit]
     if status == Status.LEFT_TRACK:
         return f"{when}: {name} ran off the end of the track"
     return f"{when}: the motion of {name} is no longer finite; try a smaller step or check the vehicle's stiffnesses"
+
+
+def guest_fault(data):
+    """Sentence of a guest that did what it may not."""
+    fault = int(data.fault[0])
+    if fault == 0:
+        return "the guest went beyond its arrays"
+    known = ", ".join(f"{valve.value} {valve.name.lower()}" for valve in Valve)
+    return f"the guest gave axle {fault} a command that is none: a valve is {known}, a torque share 0 to 1"
 
 
 def copied(data):

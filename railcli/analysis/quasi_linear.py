@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from railcli.errors import InputError
-from railcli.kernels.layout import NODE_CHANNELS, Creep, Node, freeze
+from railcli.kernels.layout import NO_LINE, NODE_CHANNELS, Creep, Node, freeze
 from railcli.kernels.tabulate import describe
 from railcli.model.contact_table import ContactTable, TableSettings
 from railcli.model.system import assemble, needed, table_settings
@@ -288,4 +288,4 @@ def quasi_linear_system(scenario, lines):
     param, wheel = system.model.param.copy(), system.model.wheel.copy()
     param["creep_law"], param["friction_ratio"], param["friction_decay"] = Creep.HARD, 1.0, 0.0
     wheel["friction"] = np.where(wheel["friction"] > 0.0, 1.0, 0.0)  # only limits the creep force
-    return replace(system, model=freeze(system.model._replace(param=param, wheel=wheel)))
+    return replace(system, model=freeze(system.model._replace(param=param, wheel=wheel, line=NO_LINE)))

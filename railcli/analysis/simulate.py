@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railcli.errors import InputError, SimulationError
-from railcli.kernels.layout import NO_SHIFT, freeze
+from railcli.kernels.layout import NO_SHIFT, Data, freeze
 from railcli.kernels.recording import Count, averaged, forget_done, new_rows, new_stream
 from railcli.kernels.step import evaluate, finish, record_rows
 from railcli.model.low_pass import low_pass
@@ -43,6 +43,8 @@ class Outcome:
         The core's Status.
     jolt : str
         A sentence when the run does not begin in equilibrium though nothing was put aside; else empty.
+    first, last : Data
+        At its beginning and its end.
     """
 
     rows: int
@@ -52,6 +54,8 @@ class Outcome:
     fault: str
     status: int
     jolt: str = ""
+    first: Data | None = None
+    last: Data | None = None
 
     @property
     def real_time_factor(self):
@@ -195,6 +199,9 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
     total = max(1, steps // stride)
     rest = steps - total * stride  # behind the last row: only the low-passed stream has them
     data = start_of_run(scenario, system)
+    if scenario.is_free:
+        data.held[:] = data.traction[:] = 0.0  # of the steady motion of a gradient; nobody holds its speed now
+    first = copied(data)
     beginning = "" if scenario.start.lateral else jolt(system, data)
     rows = new_rows(system.model, min(total, MOST_ROWS, max(1, round(BLOCK_TIME / interval))))
     most = rows.time.size
@@ -214,12 +221,15 @@ def simulate(scenario, system, sink, progress=None, filtered_sink=None):
         low_passed.hand_on()
         if progress:
             progress(float(data.clock[0]), data.clock[0] / max(cpu, 1e-9))
+        if status == 0 and count < block.time.size:
+            rest = 0  # a free run is over where it ends
+            break
     if status == 0 and rest > 0:
         _, status = record_rows(system.model, data, new_rows(system.model, 1), low_passed.stream, rest)
     finish(low_passed.stream)
     low_passed.hand_on()
     fault = verdict(system, data, status, kept[0]) if status else ""
-    return Outcome(done, float(data.clock[0]), float(data.q[0, 0]), cpu, fault, int(status), beginning)
+    return Outcome(done, float(data.clock[0]), float(data.q[0, 0]), cpu, fault, int(status), beginning, first, data)
 
 
 class _LowPassed:

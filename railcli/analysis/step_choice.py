@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from railcli.errors import InputError
 from railcli.model.scenario import divides
+from railcli.model.subsystems import is_multiple, period
 
 from .step_limit import CEILING, MARGIN, StepLimit, step_limit
 
@@ -51,6 +52,8 @@ def with_step(scenario, system, speeds=(), interval=None):
     """
     if not speeds and scenario.run.course is not None:
         speeds = min(scenario.run.course.speed), max(scenario.run.course.speed)
+    if not speeds and scenario.is_free:
+        speeds = 0.0, scenario.run.speed
     limit = step_limit(system, speeds)
     given = scenario.run.step
     if given is not None:
@@ -59,6 +62,12 @@ def with_step(scenario, system, speeds=(), interval=None):
         return Stepped(scenario, system, StepChoice(given, False, limit))
     interval = scenario.run.output_interval if interval is None else interval
     step = longest_usual(limit.allowed, interval)
+    every = period(scenario)
+    if every is not None and not is_multiple(every, step):
+        raise InputError(
+            "speed_sensor.period_ms", f"must be a whole number of steps, which are {step * 1e3:g} ms for this vehicle, "
+            f"got {every * 1e3:g} ms"
+        )  # fmt: skip
     own = {"step": step} if divides(step, scenario.run.output_interval) else {"step": step, "output_interval": interval}
     return Stepped(scenario.varied(run=own), system.stepped(step), StepChoice(step, True, limit))
 

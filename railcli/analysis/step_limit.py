@@ -77,6 +77,7 @@ def step_limit(system, speeds=()):
     """
     system = stiffest(system)
     limit = StepLimit(CEILING, "nothing in the model")
+    system = system.passive()
     motions = [OneStep(system, speed) for speed in dict.fromkeys(speeds or (system.speed,))]
     last = motions[-1]
     held = OneStep(system.on_rigid_track(), last.system.speed) if last.data.yielded.size else last

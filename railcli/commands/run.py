@@ -19,14 +19,16 @@ def run():
 @click.option("--speed", type=float, metavar="M/S", help="Another speed  [default: the scenario's]")
 @click.option("--friction", type=float, metavar="NUMBER", help="Another friction  [default: the scenario's]")
 @click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's, or chosen]")
+@click.option("--guest", type=click.Path(), metavar="FILE",
+              help="A controller of yours for valves and motors: a Python file (docs/subsystems.md, 10)")  # fmt: skip
 @click.option("--contact", multiple=True, default=("*",), metavar="GLOB",
               help="Channels of contact patches to record, such as '*/normal'; none: none  [default: all]")  # fmt: skip
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @click.option("--no-assessment", is_flag=True, help="Leave the assessment out.")
 @results_options
 def scenario(
-    scenario, only_list, speed, friction, step, contact, no_figures, no_assessment, output_format, output, overwrite,
-    quiet,
+    scenario, only_list, speed, friction, step, guest, contact, no_figures, no_assessment, output_format, output,
+    overwrite, quiet,
 ):  # fmt: skip
     """Run a scenario: a built-in one or a TOML file; without it, the 1200 m curve at 45 m/s.
 
@@ -38,6 +40,7 @@ def scenario(
       railcli run scenario
       railcli run scenario curve-300 -o tight-curve
       railcli run scenario my-curve.toml --speed 30
+      railcli run scenario my-brake.toml --guest my_protection.py
     """
     from railcli.files.scenario import builtin_scenarios, load
 
@@ -57,7 +60,7 @@ def scenario(
     case = load(scenario or DEFAULT_SCENARIO)
     case = changed(case, changes) if changes else case
     with results_folder("run", case.name, output, overwrite) as folder:
-        answer = run_scenario(case, folder, contact, not no_figures, not no_assessment, Terminal(quiet))
+        answer = run_scenario(case, folder, contact, not no_figures, not no_assessment, Terminal(quiet), guest)
     show(answer, output_format)
     if answer["fault"]:
         raise SimulationError(f"{case.name}: {answer['fault']}; what was computed is in {folder}")

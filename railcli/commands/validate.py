@@ -72,6 +72,22 @@ def conicity(no_figures, output_format, output, overwrite, quiet):
     _compare("conicity", no_figures, output_format, output, overwrite, quiet)
 
 
+@validate.command(short_help="Brakes, adhesion, slide protection against closed forms and tables.")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+@results_options
+def braking(no_figures, output_format, output, overwrite, quiet):
+    """Compare stops of the Manchester wagon with closed forms, a table of stops and the ETCS conversion model.
+
+    Stops on dry, wet and low adhesion with and without slide protection, by a reduced model that has what the table has
+    and by the whole wagon; where the energy went; the creep force of the adhesion sets; load transfer; braking in a
+    curve. Prints values, criteria and the verdict, and writes validation.md, .json, .csv and figures. Exit code 0:
+    accepted, 4: not.
+
+    Example: railcli validate braking -o my-validation
+    """
+    _compare("braking", no_figures, output_format, output, overwrite, quiet)
+
+
 @validate.command(short_help="Hertz, Kalker, creep laws and the Manchester contact benchmark.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
 @results_options

@@ -76,6 +76,39 @@ PATCH_CHANNELS = {  # forces are zero, all else is not a number, where there is 
     "linear": ("linear", "-", "creep force of linear theory over the friction limit; above 1: full slip somewhere"),
     "region": ("region", "-", "part of the wheel profile: 0 tread, 1 flange root, 2 flange flank, 3 flange tip"),
 }
+AXLE_CHANNELS = {  # of a vehicle with subsystems: field of the rows' ports, units, description
+    "speed": ("speed", "m/s", "of the tread, as the sensor has it"),
+    "slide": ("slide", "-", "speed of the vehicle less that of the tread, over the former"),
+    "adhesion_used": ("used", "-", "longitudinal over vertical force of the axle on the rails"),
+    "adhesion_offered": ("offered", "-", "friction at the slip velocity of its wheels"),
+    "brake_pressure": ("pressure", "Pa", "of its cylinders"),
+    "brake_torque": ("brake_torque", "N m", "of the brake, against running forward"),
+    "pad_friction": ("pad_friction", "-", "of pads or blocks; 0 where the brake's torque is given"),
+    "valve": ("valve_now", "-", "dump valve: 0 fills, 1 holds, 2 vents"),
+    "traction_torque": ("traction_torque", "N m", "of the motors at the axle, forward"),
+    "air": ("air", "m^3", "used so far, at 1.013 bar"),
+}
+TRAIN_CHANNELS = {
+    "brake_demand": ("brake_demand", "-", "of the driver, 0 to 1"),
+    "traction_demand": ("traction_demand", "-", "of the driver, 0 to 1"),
+    "brake_applied": ("applied", "-", "pressure of the distributor over that at full demand"),
+    "reference_speed": ("reference", "m/s", "of the slide protection"),
+    "resistance": ("resistance", "N", "running resistance, against running forward"),
+    "target_speed": ("target_speed", "m/s", "of a driver who follows a line"),
+    "odometer_speed": ("odometer_speed", "m/s", "as the odometry tells it"),
+    "odometer": ("odometer", "m", "distance since the beginning, as the odometry tells it"),
+}
+ENERGY_CHANNELS = {
+    "creep": ("creep_loss", "J", "taken by creep forces, spin included"),
+    "contact": ("normal_loss", "J", "taken by normal forces: stored, or lost in contact and track"),
+    "suspension": ("suspension_loss", "J", "taken by the suspension: stored, or lost"),
+    "brake": ("brake_loss", "J", "taken by brakes"),
+    "resistance": ("resistance_loss", "J", "taken by running resistance"),
+    "traction": ("traction_work", "J", "given by traction"),
+    "holding": ("holding_work", "J", "given by the force that holds the speed"),
+    "gravity": ("gravity_work", "J", "given by weights"),
+}
+GRIP_CHANNELS = {"friction": (0, "-", "coefficient of friction without slip")}
 FORCES_OF_A_PATCH = ("normal", "creep_x", "creep_t", "spin_moment")
 
 
@@ -232,6 +265,24 @@ def recorded(system):
         yield from _of_body(f"bodies/{name}", i, spans.acceleration.start + 3 * i)
     for w in range(system.model.wheel.size):
         yield from _of_wheel(f"wheels/{wheel_group(system, w)}", w, spans, system.gives_way)
+    if system.model.axle.size:
+        yield from _of_subsystems(system)
+
+
+def _of_subsystems(system):
+    for a in range(system.model.axle.size):
+        for channel, (key, units, about) in AXLE_CHANNELS.items():
+            source = lambda rows, key=key, a=a: rows.port[key][:, a]  # noqa: E731
+            yield Recorded(f"axles/W{a + 1}/{channel}", (), units, about, False, source)
+    for group, channels in (("train", TRAIN_CHANNELS), ("energy", ENERGY_CHANNELS)):
+        for channel, (key, units, about) in channels.items():
+            source = lambda rows, key=key: rows.train[key]  # noqa: E731
+            yield Recorded(f"{group}/{channel}", (), units, about, False, source)
+    if system.model.line.size:
+        for w in range(system.model.wheel.size):
+            for channel, (c, units, about) in GRIP_CHANNELS.items():
+                source = lambda rows, w=w, c=c: rows.rail["grip"][:, w, c]  # noqa: E731
+                yield Recorded(f"wheels/{wheel_group(system, w)}/{channel}", (), units, about, False, source)
 
 
 def _of_body(group, i, start):

@@ -27,7 +27,7 @@ from .resources import resource
 from .tables import identity
 from .track_table import read_alignment
 
-CASES = ("benchmarks/manchester/cases", "vehicles/y25/cases", "vehicles/locomotive/cases")
+CASES = ("benchmarks/manchester/cases", "benchmarks/braking/cases", "vehicles/y25/cases", "vehicles/locomotive/cases")
 VEHICLES = {
     "manchester": "benchmarks/manchester/vehicle.toml",
     "y25-empty": "vehicles/y25/empty.toml",

@@ -6,6 +6,7 @@ mirrored: lateral position, roll and yaw change sign, and so does the slope that
 
 from math import isfinite, sqrt
 
+from .adhesion import plain_grip
 from .heights import CREEP, REGIONS, creep_stiffness, mean_direction, stored
 from .hertz import pressure
 from .jit import kernel
@@ -269,6 +270,8 @@ def touch_wheel(model, data, w, give_y, give_z, rate_y, rate_z):
         roll, yaw = side * data.q[body, 3], side * data.q[body, 5]
     rail["x"], rail["y"], rail["q"], rail["patches"] = 0.0, 0.0, 0.0, 0.0
     rail["couple"][0], rail["couple"][1], rail["couple"][2] = 0.0, 0.0, 0.0
+    if model.line.shape[0] == 0:
+        plain_grip(model, wheel, rail)
     if table["levels"] >= 0:
         found = touch_stored(model, data, w, axes, axle, y, z, roll, yaw, rate_y, rate_z)
     else:

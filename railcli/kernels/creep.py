@@ -114,7 +114,7 @@ def forces_and_jacobian(law, f11, f22, f23, f33, limit, xi, eta, phi):
 
 
 @kernel
-def tangential(param, table, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
+def tangential(param, table, adhesion, reduced_slip, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
     """Creep force and spin moment on the wheel by the law of `param`, with their derivatives at constant limit.
 
     Every law is homogeneous: creepages and limit times c give c times force and moment.
@@ -125,6 +125,8 @@ def tangential(param, table, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
         Its `creep_law` and the settings of the laws.
     table : array (n, 4)
         `creep_table.tabulate` of this law; empty for those without.
+    adhesion, reduced_slip : float
+        Polach's reduction factors k_A, k_S; no other law knows them [-].
     a, b : float
         Semi-axes along the rail and across [m].
     f11, f22, f23, f33 : float
@@ -144,7 +146,7 @@ def tangential(param, table, a, b, f11, f22, f23, f33, limit, xi, eta, phi):
         return forces_and_jacobian(law, f11, f22, f23, f33, limit, xi, eta, phi)
     if law == Creep.POLACH:
         return polach.forces_and_jacobian(
-            param["adhesion_reduction"], param["slip_reduction"], a, b, f11, f22, f23, f33, limit, xi, eta, phi
+            adhesion, reduced_slip, a, b, f11, f22, f23, f33, limit, xi, eta, phi
         )
     ux, uy, wa = fastsim.scaled_creepages(f11, f22, f23, limit, xi, eta, phi)
     if law == Creep.FASTSIM:

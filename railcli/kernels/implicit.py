@@ -89,6 +89,9 @@ def settle_tensions(model, data, reach):
     dv, before = data.dv, data.dv_start
     for row in range(data.stiff.size):
         line = data.stiff[row]
+        line["change"] = 0.0
+        if line["slides"]:
+            continue
         work = answer_line(model, data, line["upper"], line["upper_pull"], line["upper_answer"], reach)
         work += answer_line(model, data, line["lower"], line["lower_pull"], line["lower_answer"], reach)
         line["give"] = reach * work
@@ -96,6 +99,8 @@ def settle_tensions(model, data, reach):
         moved = total = 0.0
         for row in range(data.stiff.size):
             line = data.stiff[row]
+            if line["slides"]:
+                continue
             up, low = line["upper"], line["lower"]
             change = 0.0
             for a in range(6):
@@ -104,6 +109,7 @@ def settle_tensions(model, data, reach):
             tension = bear(model, line, line["rate"] - reach * change, data.tension[row])
             more = tension - data.tension[row]
             data.tension[row] = tension
+            line["change"] += more
             for a in range(6):
                 dv[up, a] += more * line["upper_answer"][a]
                 dv[low, a] += more * line["lower_answer"][a]

@@ -62,6 +62,18 @@ def seldom(function):
     return numba.njit(**OPTIONS)(function)
 
 
+def guest(function, signature):
+    """Compile a user's function for one signature: it cannot allocate, and every access to its arrays is checked."""
+    compiled = numba.njit(function, _nrt=False, boundscheck=True, error_model="numpy")
+    compiled.compile(signature)
+    return compiled
+
+
+def outward(function, signature):
+    """Compile a function that C calls by its address."""
+    return numba.cfunc(signature)(function)
+
+
 def builder(function):
     """As `kernel`, for a function outside the step, which may allocate."""
     return numba.njit(**{**OPTIONS, "_nrt": True})(function)

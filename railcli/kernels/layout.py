@@ -11,6 +11,20 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from .assembly_layout import (
+    ASSEMBLY,
+    AXLE,
+    DELAYED,
+    GRIPS,
+    GUEST_INPUTS,
+    GUEST_OUTPUTS,
+    GUEST_STATE,
+    LINE,
+    PLAN,
+    PORT,
+    TRAIN,
+    Memory,
+)
 from .jit import constant, mutable
 from .table_layout import LEVELS as LEVELS
 from .table_layout import NODE_CHANNELS as NODE_CHANNELS
@@ -40,6 +54,7 @@ class Status(IntEnum):
     TOO_MANY_CONTACTS = 5  # fault = wheel
     LEFT_SHIFT = 6  # fault = wheel: the displacement of its rail is not given there
     UNKNOWN_ELEMENT = 7  # fault = element: its kind is not one of Kind
+    GUEST = 8  # fault = 0: the guest went beyond its arrays; else the axle that it gave a command that is none
 
 
 class Kind(IntEnum):
@@ -183,7 +198,7 @@ WHEEL = np.dtype(
         ("table", "i8"),
         ("lateral", "f8"),  # distance of its tape circle from the wheelset's centre [m]
         ("radius", "f8"),  # of its tape circle [m]
-        ("friction", "f8"),  # [-]
+        ("friction", "f8"),  # where the line says nothing of it [-]
     ],
     align=True,
 )
@@ -215,6 +230,8 @@ CONTACT = np.dtype(  # derived: one contact patch; forces on the wheel, contact 
         ("xi", "f8"),  # creepages: slip of wheel over rail [-]
         ("eta", "f8"),  # [-]
         ("phi", "f8"),  # [1/m]
+        ("slip_x", "f8"),  # slip velocity of wheel over rail [m/s]
+        ("slip_t", "f8"),  # [m/s]
         ("depth", "f8"),  # penetration along z [m]
         ("angle", "f8"),  # contact angle, positive when the normal leans to the flange [rad]
         ("lateral", "f8"),  # on the wheel profile, from the tape circle to the field side [m]
@@ -252,6 +269,7 @@ RAIL = np.dtype(  # derived: force of one wheel on its rail, and how far that ra
         ("give", "f8", 2),  # how far it gives way under the wheel beside that: to the right, down [m]
         ("seat", "f8", 2),  # its force on its springs and dampers, to the right, down [N]
         ("level", "f8"),  # of its table of heights, from which the next search begins
+        ("grip", "f8", GRIPS),  # Grip
     ],
     align=True,
 )
@@ -276,6 +294,8 @@ STIFF = np.dtype(  # derived: a scalar force or torque that acts implicitly; ten
         ("curve", "i8"),  # T over r; -1: damping times rate
         ("damping", "f8"),  # [N s/m], [N m s/rad]
         ("friction", "f8"),  # beside it: dry friction [N], [N m]
+        ("slides", "i8"),  # 1: it cannot stick within this step, and bears its full friction
+        ("change", "f8"),  # of its tension in this step [N], [N m]
         ("rate", "f8"),  # r at the predicted velocity [m/s], [rad/s]
         ("upper_pull", "f8", 6),  # loads on the upper body per tension, as Data.load; r = - pull . v
         ("lower_pull", "f8", 6),
@@ -305,6 +325,10 @@ class Model(NamedTuple):
     creep: np.ndarray  # (n, 4) creep_table.tabulate; empty unless the creep law needs it
     shift: np.ndarray  # (n, SHIFT_CHANNELS) displacement of the rails at equal distances; n = 0: they lie ideally
     matrix: np.ndarray  # (n, 12, 6) stiffness above damping over x, y, z, roll, pitch, yaw [N/m, N, N m/rad ... and s]
+    axle: np.ndarray  # (n_axle,) AXLE, from the front; n = 0: nothing brakes, drives or runs free
+    assembly: np.ndarray  # (1,) ASSEMBLY
+    plan: np.ndarray  # (n,) PLAN, in the order of their places
+    line: np.ndarray  # (n,) LINE, in the order of their places; n = 0: friction is that of the wheels
 
 
 class Data(NamedTuple):
@@ -321,6 +345,11 @@ class Data(NamedTuple):
     lag: np.ndarray  # state: (n_wheel, MAX_CONTACT, 6) slow patches: strain [N], place [m], 1: is one; then derived
     clock: np.ndarray  # state: (1,) time [s]
     held: np.ndarray  # state: (1,) grown part of the force that holds the speed [N]
+    port: np.ndarray  # state: (n_axle,) PORT
+    train: np.ndarray  # state: (1,) TRAIN
+    delayed: np.ndarray  # state: (n,) brake demand on its way through the pipe; n = 0: there is no brake [-]
+    guest: np.ndarray  # state: (n,) what a guest keeps, then its inputs and outputs by axle; n = 0: there is none
+    memory: np.ndarray  # state: (2, n_cell) work of wheels on right and left rail, per metre [J/m]; n = 0: forgotten
     q_start: np.ndarray  # derived: (n_body, 6) coordinates and velocities at the beginning of the step
     v_start: np.ndarray  # derived: (n_body, 6)
     dv_start: np.ndarray  # derived: (n_body, 6) acceleration of the last step
@@ -349,6 +378,7 @@ MODEL_TYPE = types.NamedTuple(
         constant(np.int32, 2),
         *3 * [constant(np.float64, 2)],
         constant(np.float64, 3),
+        *map(constant, (AXLE, ASSEMBLY, PLAN, LINE)),
     ),
     Model,
 )
@@ -360,6 +390,10 @@ DATA_TYPE = types.NamedTuple(
         *3 * [mutable(np.float64, 2)],
         mutable(np.float64, 3),
         *2 * [mutable(np.float64)],
+        mutable(PORT),
+        mutable(TRAIN),
+        *2 * [mutable(np.float64)],
+        mutable(np.float64, 2),
         *4 * [mutable(np.float64, 2)],
         mutable(FRAME),
         *2 * [mutable(np.float64)],
@@ -389,7 +423,14 @@ def new_data(model, q, n_damper):
     """
     n_body, n_wheel = model.body.size, model.wheel.size
     n_yield = n_wheel if model.param[0]["rail_stiffness"].any() else 0
-    n_stiff = 1 + model.element["stiff"].max(initial=-1)
+    n_stiff = 1 + max(model.element["stiff"].max(initial=-1), model.axle["row"].max(initial=-1))
+    rail, param = np.zeros(n_wheel, RAIL), model.param[0]
+    for grip, friction in zip(rail["grip"], model.wheel["friction"], strict=True):
+        grip[:] = friction, *(param[key] for key in OF_GRIP)
+    port, train = np.zeros(model.axle.size, PORT), np.zeros(1, TRAIN)
+    port["edge_time"], port["torque_share"], train["seed"] = -1.0, 1.0, 1 + model.assembly[0]["seed"]
+    n_guest = model.axle.size * (GUEST_INPUTS + GUEST_OUTPUTS)
+    train["pilot"], train["stop_time"], train["known_time"] = -1, -1.0, -1.0
     return Data(
         q=np.array(q, dtype=np.float64).reshape(n_body, 6),
         v=np.zeros((n_body, 6)),
@@ -402,6 +443,11 @@ def new_data(model, q, n_damper):
         lag=np.zeros((n_wheel, MAX_CONTACT, 6)),
         clock=np.zeros(1),
         held=np.zeros(1),
+        port=port,
+        train=train,
+        delayed=np.zeros(DELAYED if model.axle.size else 0),
+        guest=np.zeros(GUEST_STATE + n_guest if model.assembly[0]["guest"] else 0),
+        memory=np.zeros((2, n_cells(model))),
         q_start=np.zeros((n_body, 6)),
         v_start=np.zeros((n_body, 6)),
         dv_start=np.zeros((n_body, 6)),
@@ -413,7 +459,7 @@ def new_data(model, q, n_damper):
         rail_load=np.zeros((n_body, 6)),
         sample=np.zeros((SAMPLE_ROWS, NODE_CHANNELS)),
         contact=np.zeros((n_wheel, MAX_CONTACT), CONTACT),
-        rail=np.zeros(n_wheel, RAIL),
+        rail=rail,
         creep_damping=np.zeros((n_body, 6, 6)),
         wheel_damping=np.zeros((n_yield, 6, 6)),
         support=np.zeros(n_yield, SUPPORT),
@@ -423,6 +469,20 @@ def new_data(model, q, n_damper):
     )
 
 
+OF_GRIP = ("friction_ratio", "friction_decay", "adhesion_reduction", "slip_reduction")  # of PARAM, as Grip counts them
+
+
+def n_cells(model):
+    """Cells in which each rail remembers the work of wheels."""
+    assembly = model.assembly[0]
+    if assembly["memory"] != Memory.RAIL:
+        return 0
+    end = model.track[-1]["start"] + model.track[-1]["length"]
+    return 1 + int((end - assembly["cell_start"]) / assembly["cell"])
+
+
+NO_AXLE, NO_ASSEMBLY = np.zeros(0, AXLE), np.zeros(1, ASSEMBLY)
+NO_PLAN, NO_LINE = np.zeros(0, PLAN), np.zeros(0, LINE)
 NO_SHIFT = np.zeros((0, SHIFT_CHANNELS))  # Model.shift of rails in their ideal place
 NO_HEIGHTS = np.zeros((0, ROW))
 NO_MATRIX = np.zeros((0, 12, 6))

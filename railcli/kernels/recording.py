@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from .assembly_layout import PORT, TRAIN
 from .jit import kernel, mutable
 from .layout import CONTACT, MAX_CONTACT, RAIL, Region
 from .vec3 import cross, get, scale
@@ -93,6 +94,8 @@ class Rows(NamedTuple):
     rail: np.ndarray  # (n, n_wheel) RAIL
     contact: np.ndarray  # (n, n_wheel, MAX_CONTACT) CONTACT
     traction: np.ndarray  # (n,) force that holds the speed [N]
+    port: np.ndarray  # (n, n_axle) PORT
+    train: np.ndarray  # (n,) TRAIN
     mean: np.ndarray  # (n, n_mean) over all steps since the row before; channels as recording.averaged
     least: np.ndarray  # (n, n_mean) of these steps
     greatest: np.ndarray  # (n, n_mean)
@@ -124,6 +127,8 @@ ROWS_TYPE = types.NamedTuple(
         mutable(RAIL, 2),
         mutable(CONTACT, 3),
         mutable(np.float64),
+        mutable(PORT, 2),
+        mutable(TRAIN),
         *5 * [mutable(np.float64, 2)],
     ),
     Rows,
@@ -142,6 +147,8 @@ def new_rows(model, n):
         rail=np.zeros((n, n_wheel), RAIL),
         contact=np.zeros((n, n_wheel, MAX_CONTACT), CONTACT),
         traction=np.zeros(n),
+        port=np.zeros((n, model.axle.size), PORT),
+        train=np.zeros(n, TRAIN),
         mean=np.zeros((n, n_mean)),
         least=np.zeros((n, n_mean)),
         greatest=np.zeros((n, n_mean)),

@@ -5,6 +5,7 @@ Track axes at the wheelset's own s; forces are those on the wheel.
 
 from math import atan, sqrt
 
+from .adhesion import ADHESION, DECAY, FRICTION, RATIO, SLIP
 from .creep import falling_friction, tangential
 from .jit import kernel, seldom
 from .layout import MAX_CONTACT
@@ -51,6 +52,7 @@ def slip_wheel(model, data, w, step, rate_y, rate_z, block, k):
     turn, advance = get(frame["rate"]), get(frame["advance"])
     axes = rail_axes(rail) if shifted else IDEAL
     force, moment = (0.0, 0.0, 0.0), get(rail["couple"])
+    grip = rail["grip"]
     for j in range(patches):
         contact = data.contact[w, j]
         slope = contact["slope"]
@@ -78,13 +80,13 @@ def slip_wheel(model, data, w, step, rate_y, rate_z, block, k):
         eta += per_t * slip_t
         phi = dot(normal, omega) * per_speed
         n = contact["normal"]
-        friction, fall, slid = wheel["friction"], 0.0, 0.0
-        if param["friction_decay"] > 0.0:
+        friction, fall, slid = grip[FRICTION], 0.0, 0.0
+        if grip[DECAY] > 0.0:
             slid = sqrt(slip_x * slip_x + slip_t * slip_t)
-            friction, fall = falling_friction(param["friction_ratio"], param["friction_decay"], friction, slid)
+            friction, fall = falling_friction(grip[RATIO], grip[DECAY], friction, slid)
         limit = friction * n
         tx, tt, mz, xx, xe, xp, ex, ee, ep, px, pe, pp = tangential(
-            param, model.creep, contact["semi_x"], contact["semi_y"],
+            param, model.creep, grip[ADHESION], grip[SLIP], contact["semi_x"], contact["semi_y"],
             contact["f11"], contact["f22"], contact["f23"], contact["f33"], limit, xi, eta, phi,
         )  # fmt: skip
         if fall < 0.0 and slid > 0.0 and limit > 0.0:
@@ -96,6 +98,7 @@ def slip_wheel(model, data, w, step, rate_y, rate_z, block, k):
             ex, ee = ex + rt * fall_x, ee + rt * fall_t
             px, pe = px + rz * fall_x, pe + rz * fall_t
         contact["xi"], contact["eta"], contact["phi"] = xi, eta, phi
+        contact["slip_x"], contact["slip_t"] = slip_x, slip_t
         contact["creep_x"], contact["creep_t"], contact["spin_moment"] = tx, tt, mz
         here = add(add(scale(tx, along), scale(tt, across)), scale(-n, normal))
         pull = n * (normal[1] * advance[1] + normal[2] * advance[2])  # of N: it leans with the rise of both rails
@@ -136,7 +139,7 @@ def remembered(model, data, w, j, step, speed, way, slip_x, slip_t):
         if lag[k, 3] > 0.0 and away < nearest:
             pull_x, pull_t, nearest = way * lag[k, 0], way * lag[k, 1], away
     now_x, now_t = contact["f11"] * slip_x, contact["f22"] * slip_t
-    sliding = SLIDING * model.wheel[w]["friction"] * contact["normal"]
+    sliding = SLIDING * data.rail[w]["grip"][FRICTION] * contact["normal"]
     most = max(sliding, per_speed * sqrt(now_x * now_x + now_t * now_t))
     share = min(most / max(sqrt(pull_x * pull_x + pull_t * pull_t), 1e-300), 1.0)
     last_x, last_t = share * pull_x / contact["f11"], share * pull_t / contact["f22"]
@@ -166,11 +169,11 @@ def remember(model, data, step):
 
 
 @kernel
-def describe_patch(wheel, contact):
+def describe_patch(wheel, rail, contact):
     """Complete a CONTACT for a reader: contact angle and how far the linear creep force is over the friction limit."""
     contact["angle"] = -wheel["side"] * atan(contact["slope"])
     tx = contact["f11"] * contact["xi"]
     tt = contact["f22"] * contact["eta"] + contact["f23"] * contact["phi"]
     linear = sqrt(tx * tx + tt * tt)
-    limit = wheel["friction"] * contact["normal"]
+    limit = rail["grip"][FRICTION] * contact["normal"]
     contact["linear"] = linear / limit if limit > 0.0 else 0.0

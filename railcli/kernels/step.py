@@ -4,11 +4,14 @@ from math import isfinite
 
 from numba import types
 
+from .adhesion import lend
+from .assembly import act, over, resist, torques, watch_standing
 from .body import drift, drift_on, frames, inertia_loads
 from .curve import read_curve
 from .implicit import answer, settle_tensions
 from .jit import entry, kernel, seldom
 from .layout import DATA_TYPE, MAX_CONTACT, MODEL_TYPE, Status
+from .ledger import book
 from .recording import BATCH, ROWS_TYPE, STREAM_TYPE, felt, flush, new_stream, note, open_row, take
 from .slip import describe_patch, remember
 from .support import CREEPING, agree, give_way, press, settle_drag, slip, slip_wheelset
@@ -52,6 +55,8 @@ def loads(model, data, half_step, moving):
     status = suspension(model, data, half_step, moving)
     if status != 0:
         return status
+    if model.axle.size > 0:
+        torques(model, data, THETA * model.param[0]["step"], moving)
     inertia_loads(model, data)
     step = model.param[0]["step"]
     if moving:
@@ -66,6 +71,8 @@ def loads(model, data, half_step, moving):
         if status != 0:
             return status
     hold_speed(model, data)
+    if model.axle.size > 0:
+        resist(model, data)
     return 0
 
 
@@ -191,6 +198,10 @@ def step(model, data):
     h = model.param[0]["step"]
     half = 0.5 * h
     n = model.body.size
+    if model.axle.size > 0:
+        status = act(model, data)
+        if status != 0:
+            return status
     status = drift(model, data)
     if status != 0:
         return status
@@ -222,6 +233,9 @@ def step(model, data):
             return Status.NOT_FINITE.value
     for k in range(data.damper.size):
         data.damper[k] += h * data.damper_rate[k]
+    if model.axle.size > 0:
+        book(model, data, h)
+        watch_standing(data, h)
     data.held[0] += h * model.param[0]["hold"] * model.param[0]["hold_rate"] * speed_lack(model, data)
     data.clock[0] += h
     return 0
@@ -250,6 +264,8 @@ def evaluate(model, data, half_step):
     Rails that give way have the rates data.yielding, after which their places are half_step on; creep forces on them
     are those that they bear.
     """
+    if model.line.shape[0] > 0:
+        lend(model, data, 0.0)
     status = loads(model, data, half_step, False)
     for _ in range(AGREEMENTS if data.yielded.shape[0] > 0 else 0):
         if status != 0 or agree(model, data) < AGREED:
@@ -264,6 +280,9 @@ def write_row(model, data, rows, n):
     """Copy the present instant into row n; of a patch that is not there only the depth, zero."""
     rows.time[n] = data.clock[0]
     rows.traction[n] = data.traction[0]
+    rows.train[n] = data.train[0]
+    for a in range(model.axle.size):
+        rows.port[n, a] = data.port[a]
     for i in range(model.body.size):
         for k in range(6):
             rows.q[n, i, k] = data.q[i, k]
@@ -273,7 +292,7 @@ def write_row(model, data, rows, n):
         rows.rail[n, w] = data.rail[w]
         count = min(int(data.rail[w]["patches"]), MAX_CONTACT)
         for j in range(count):
-            describe_patch(model.wheel[w], data.contact[w, j])
+            describe_patch(model.wheel[w], data.rail[w], data.contact[w, j])
             rows.contact[n, w, j] = data.contact[w, j]
         for j in range(count, MAX_CONTACT):
             rows.contact[n, w, j]["depth"] = 0.0
@@ -301,6 +320,8 @@ def record_rows(model, data, rows, stream, stride):
             note(rows, n, stream, count, share)
             left -= count
         write_row(model, data, rows, n)
+        if model.axle.size > 0 and over(model, data):
+            return n + 1, 0
     return rows.time.size, 0
 
 

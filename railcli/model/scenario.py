@@ -11,13 +11,17 @@ from pydantic import Field, PrivateAttr, Strict, model_validator
 
 from railcli.kernels.layout import CURVE_KNOTS
 
+from .adhesion import Adhesion, Resistance
 from .checks import Description, Name, NotNegative, Place, Positive, Real, Text, one_of
+from .controls import AntiSlip, Odometer, SlideProtection, SpeedSensor
+from .driving import Brake, DriverOf, HoldSpeed, Traction
 from .irregularity import Source
 from .limits import Limits
 from .profile import TAPE_LIMITS, TAPE_TO_BACK
 from .rails import course
 from .sections import Gradient
 from .submodels import CREEP_LAWS, NORMAL_LAWS
+from .subsystems import OF_CONTACT, OPTIONAL, fault, is_free
 from .track import MARGIN, Track, gradient_course, pack
 from .track_support import TrackSupport
 from .vehicle import Vehicle
@@ -26,6 +30,7 @@ FASTEST = 150.0  # [m/s]
 STEEPEST_INCLINATION = 5.0  # 1 in ...
 OF_ONE_LAW = {"adhesion_reduction": "polach", "slip_reduction": "polach", "fastsim_grid": "fastsim"}
 WIDEST = 0.06  # measured gauge from the nominal one [m]
+LONGEST_FREE = 1800.0  # time after which a free run ends that says nothing of it [s]
 LONGEST_STEP = 2e-3  # that a scenario may ask for [s]
 PROFILES = {  # keys of a contact that name a profile, and its kind
     "wheel_profile": "wheel", "rail_profile": "rail", "left_wheel_profile": "wheel", "left_rail_profile": "rail",
@@ -112,8 +117,6 @@ class Run(Description):
                 f"speed must be the largest of speed_course, {max(self.course.speed):g} m/s, or be left out, "
                 f"got {self.speed:g} m/s"
             )
-        if self.distance is not None and self.duration is not None:
-            raise ValueError("give either distance_m or duration_s, not both")
         if self.step is not None and not divides(self.step, self.output_interval):
             raise ValueError(
                 f"output interval must be a multiple of the step, got {self.output_interval * 1e3:g} ms and "
@@ -195,9 +198,10 @@ class Contact(Description):
 
 
 class Start(Description):
-    """How the vehicle stands before it runs."""
+    """How the vehicle stands and runs at the beginning."""
 
     lateral: Annotated[Real, Field(ge=-0.01, le=0.01)] = Field(0.0, alias="lateral_m")  # of all bodies, to the right
+    initial_speed: _Speed | None = Field(None, alias="initial_speed_m_per_s")  # of a free run; None: run.speed
 
 
 class Scenario(Description):
@@ -225,10 +229,25 @@ class Scenario(Description):
     track_support: TrackSupport = TrackSupport()
     irregularity: tuple[Source, ...] = ()
     start: Start = Start()
+    driver: DriverOf = HoldSpeed()
+    brake: Brake | None = None
+    traction: Traction | None = None
+    speed_sensor: SpeedSensor | None = None
+    slide_protection: SlideProtection | None = None
+    anti_slip: AntiSlip | None = None
+    odometry: Odometer | None = None
+    adhesion: Adhesion | None = None
+    resistance: Resistance | None = None
     _contents: dict = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _fits_together(self):
+        if problem := fault(self):
+            raise ValueError(problem)
+        if self.start.initial_speed is not None and not self.is_free:
+            raise ValueError("start.initial_speed: belongs to a free run (driver kind \"coast\" or \"demand\")")
+        if self.run.distance is not None and self.run.duration is not None and not self.is_free:
+            raise ValueError("run: give either distance_m or duration_s, not both")
         if not math.isfinite(self.duration):
             if self.run.course is None:
                 raise ValueError(f"run: {self.distance:g} m at {self.run.speed:g} m/s take for ever")
@@ -287,9 +306,23 @@ class Scenario(Description):
         return known
 
     @property
+    def is_free(self):
+        """Whether speed is a result."""
+        return is_free(self)
+
+    @property
+    def first_speed(self):
+        """Speed at which the run begins [m/s]."""
+        if self.is_free:
+            return self.run.speed if self.start.initial_speed is None else self.start.initial_speed
+        return self.run.speed if self.run.course is None else self.run.course.speed[0]
+
+    @property
     def distance(self):
-        """Length of the run [m]."""
+        """Length of the run [m]; of a free one the longest."""
         run = self.run
+        if self.is_free:
+            return self.track.length if run.distance is None else run.distance
         if run.distance is not None:
             return run.distance
         if run.course is not None:
@@ -298,8 +331,13 @@ class Scenario(Description):
 
     @property
     def duration(self):
-        """Time of the run at the speed asked for [s]; a course of speed without length or time ends with its knots."""
+        """Time of the run at the speed asked for [s]; a course of speed without length or time ends with its knots.
+
+        Of a free run the longest time.
+        """
         run = self.run
+        if self.is_free:
+            return LONGEST_FREE if run.duration is None else run.duration
         if run.duration is not None:
             return run.duration
         if run.course is None:
@@ -309,6 +347,8 @@ class Scenario(Description):
     @property
     def final_speed(self):
         """Speed asked for while the run's last metres are averaged [m/s]; None when it changes there."""
+        if self.is_free:
+            return None
         if self.run.course is None:
             return self.run.speed
         times, speeds = self.run.course.knots()
@@ -343,6 +383,9 @@ class Scenario(Description):
         """All values, defaults included, with units in the keys, and digests of what names stand for."""
         values = self.model_dump(mode="json")
         values["run"]["average_over_m"] = self.average_over
+        if self.adhesion:  # says it in place of the contact
+            for key in OF_CONTACT:
+                del values["contact"][type(self.contact).model_fields[key].alias or key]
         given = {key: values["contact"][key] for key in (*PROFILES, *TABLES)}
         values["contact"]["digests"] = {
             key: digest_of(self.contents[place]) for key, place in given.items() if place in self.contents
@@ -357,6 +400,11 @@ class Scenario(Description):
         values = self.as_dict()
         for key in ("name", "title", "description", "changes", "limits"):
             del values[key]
+        for key in OPTIONAL:
+            if values[key] is None:
+                del values[key]
+        if not self.is_free:
+            del values["driver"], values["start"]["initial_speed_m_per_s"]
         if not self.track_support.gives_way:
             del values["track_support"]
         left = zip(("left_wheel_profile", "left_rail_profile", "left_table"), self.contact.sides[1], strict=True)

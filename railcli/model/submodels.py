@@ -68,6 +68,23 @@ NORMAL_LAWS = {  # value: what the contact table holds beside rigid contact poin
 }
 
 
+ADHESION_SETS = {  # value: mu0, A, B [s/m], k_A, k_S of Polach (2005), as kernels/assembly_layout.Grip
+    "dry": Choice(
+        (0.55, 0.40, 0.60, 1.00, 0.40), "dry rail",
+        "Polach (2005), Wear 258, 992-1000; recovered from the fits of a public simulator",
+    ),
+    "wet": Choice((0.30, 0.40, 0.20, 0.30, 0.10), "wet rail", "as dry"),
+    "low": Choice(
+        (0.06, 0.40, 0.20, 1.00, 0.40), "leaves, moisture or a thin film",
+        "from knowledge of published Huddersfield work, not read",
+    ),
+    "very-low": Choice(
+        (0.03, 0.10, 0.20, 1.00, 0.40), "a thick film: a locked wheel hardly brakes",
+        "from knowledge of published Huddersfield work, not read",
+    ),
+}  # fmt: skip
+
+
 class Shape(NamedTuple):
     """Rise from 0 to 1 over 0 to 1, cubic by cubic."""
 

@@ -10,6 +10,7 @@ from railcli.kernels.creep_table import CHANNELS, tabulate
 from railcli.kernels.layout import CURVE, PARAM, Creep, Model, freeze, new_data
 
 from . import rails as rails_model
+from . import subsystems
 from . import vehicle as vehicle_model
 from .contact_table import LIMITS, OF_HEIGHTS, TableSettings
 from .stiff import mark_stiff
@@ -37,7 +38,8 @@ class System:
     joints: tuple  # what each is, in words
     elements: tuple
     wheelsets: tuple  # indices of the wheelsets, in the order of the wheels
-    speed: float  # asked for [m/s]
+    speed: float  # asked for, or at the beginning of a free run [m/s]
+    guest: object = None  # a user's controller whose address is in the model; it lives as long as this
 
     def start(self, s=0.0, lateral=0.0):
         """Data of the vehicle at its nominal place, rolling at its speed on straight track.
@@ -87,6 +89,18 @@ class System:
         param = self.model.param.copy()
         param["rail_stiffness"] = param["rail_damping"] = 0.0
         return replace(self, model=freeze(self.model._replace(param=param)))
+
+    def passive(self):
+        """The same system with subsystems that nobody asks anything of: no demand, no controller, no resistance."""
+        if not self.model.axle.size:
+            return self
+        assembly = self.model.assembly.copy()
+        for key in ("brake_curve", "traction_curve"):
+            assembly[key] = -1
+        for key in ("driver", "period", "memory", "ends", "resistance"):
+            assembly[key] = 0
+        assembly["end_place"] = np.inf
+        return replace(self, model=freeze(self.model._replace(assembly=assembly)))
 
     @property
     def radii(self):
@@ -169,7 +183,7 @@ def parameters(scenario):
     param["gravity"] = scenario.run.gravity
     param["cant_base"] = scenario.cant_base
     param["speed"], param["speed_curve"], param["hold_rate"] = scenario.run.speed, -1, HOLD_RATE
-    param["hold"] = hold_gain(scenario.vehicle.bodies[0].mass, step)
+    param["hold"] = 0.0 if scenario.is_free else hold_gain(scenario.vehicle.bodies[0].mass, step)
     param["creep_law"] = choose(CREEP_LAWS, "contact.creep_law", scenario.contact.creep_law).value
     param["creep_speed"] = CREEP_SPEED
     param["settled"] = SETTLED
@@ -213,13 +227,15 @@ def assemble(scenario, tables):
     table, node, cell, branch, heights = pool(tables)
     param = parameters(scenario)
     shift, param["shift_start"], param["shift_step"] = rails_model.pack(scenario)
+    element = mark_stiff(packed, max(STIFF_STEP, scenario.run.step or 0.0))
+    added = subsystems.pack(scenario, packed, 1 + element["stiff"].max(initial=-1), scenario.distance)
     model = Model(
         param=param,
         track=scenario.pieces(),
-        body=packed.body,
+        body=added.body,
         joint=packed.joint,
-        element=mark_stiff(packed, max(STIFF_STEP, scenario.run.step or 0.0)),
-        curve=packed.curve,
+        element=element,
+        curve=added.curve,
         wheel=wheel,
         table=table,
         node=node,
@@ -229,6 +245,10 @@ def assemble(scenario, tables):
         creep=creep_table(scenario.contact.creep_law),
         shift=shift,
         matrix=packed.matrix,
+        axle=added.axle,
+        assembly=added.assembly,
+        plan=added.plan,
+        line=added.line,
     )
     return System(
         model=freeze(model),
@@ -238,5 +258,5 @@ def assemble(scenario, tables):
         joints=joints,
         elements=elements,
         wheelsets=tuple(scenario.vehicle.wheelsets),
-        speed=scenario.run.speed,
+        speed=scenario.first_speed if scenario.is_free else scenario.run.speed,
     )

@@ -44,13 +44,25 @@ def conditions(scenario):
         asked = speed(run.speed)
     else:
         asked = f"{min(run.course.speed):g} to {speed(run.speed)}, over time"
+    if scenario.is_free:
+        asked = f"{speed(scenario.first_speed)} at the beginning"
     falls = f", falling to {contact.friction_ratio:g} of it" if contact.friction_decay > 0.0 else ""
     pairs = [
         ("speed", asked),
-        ("friction", f"{contact.friction:g}{falls}"),
+        ("friction", _of_line(scenario.adhesion) if scenario.adhesion else f"{contact.friction:g}{falls}"),
         ("laws", f"creep {contact.creep_law}, normal {contact.normal}"),
     ]
     return [*pairs, ("changed", "; ".join(scenario.changes))] if scenario.changes else pairs
+
+
+def _of_line(adhesion):
+    """The stretches of a line in words."""
+    words = []
+    for stretch in adhesion.stretches:
+        name = " ".join([*([stretch.set] if stretch.set else []),
+                         *([f"{stretch.friction:g}"] if stretch.friction is not None else [])])  # fmt: skip
+        words.append(f"{name} from {stretch.start:g} m" if stretch.start else name)
+    return ", ".join(words)
 
 
 def conditions_json(scenario):
@@ -58,7 +70,7 @@ def conditions_json(scenario):
     return {
         "speed_m_per_s": scenario.run.speed,
         "speed_kmh": 3.6 * scenario.run.speed,
-        "friction": scenario.contact.friction,
+        "friction": None if scenario.adhesion else scenario.contact.friction,
         "creep_law": scenario.contact.creep_law,
         "normal": scenario.contact.normal,
         "changes": list(scenario.changes),

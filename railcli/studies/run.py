@@ -16,6 +16,7 @@ from railcli.files.provenance import provenance
 from railcli.files.read_results import SUMMARY
 from railcli.model.scenario import Scenario
 from railcli.model.system import System, assemble
+from railcli.runtime.guest import invited, welcome
 
 from .answer import Answer
 from .tables import tables_for
@@ -39,8 +40,10 @@ class Observed(NamedTuple):
     watch: Watch
 
 
-def prepare(scenario, voice=SILENT):
+def prepare(scenario, voice=SILENT, guest=None):
     """Compile what is not, get or build the contact tables, assemble, settle the time step.
+
+    guest : path-like of a user's own controller, or None.
 
     Returns
     -------
@@ -51,12 +54,16 @@ def prepare(scenario, voice=SILENT):
     InputError
         The given step is longer than the model bears, or a table is for something else.
     """
+    controller = None if guest is None else welcome(scenario, guest)
     warm(voice.announce)
     tables = tables_for(scenario, voice)
-    return Prepared(*with_step(scenario, assemble(scenario, tables)), tables)
+    settled = with_step(scenario, assemble(scenario, tables))
+    if controller is not None:
+        settled = settled._replace(system=invited(settled.system, controller, settled.choice.step))
+    return Prepared(*settled, tables)
 
 
-def run(scenario, folder, contact_channels=("*",), figures=True, assessment=True, voice=SILENT):
+def run(scenario, folder, contact_channels=("*",), figures=True, assessment=True, voice=SILENT, guest=None):
     """Run a scenario and fill its results folder.
 
     Parameters
@@ -69,13 +76,15 @@ def run(scenario, folder, contact_channels=("*",), figures=True, assessment=True
     figures, assessment : bool
         Draw the time series; judge them.
     voice : Voice
+    guest : path-like, optional
+        Of a user's own controller (docs/subsystems.md, 10).
 
     Returns
     -------
     Answer
         Its ``fault`` says what broke the run off, and is empty when it reached its end.
     """
-    prepared = prepare(scenario, voice)
+    prepared = prepare(scenario, voice, guest)
     outcome, observed = _simulated(prepared, folder, contact_channels, voice)
 
     from railcli.report import run as report  # only now: drawing libraries take half a second to load
@@ -88,12 +97,17 @@ def run(scenario, folder, contact_channels=("*",), figures=True, assessment=True
     if outcome.rows:
         files += _main_channels(folder) + (_drawn(case, folder) if figures else [])
     origin = provenance(case, prepared.tables)
+    if prepared.system.guest is not None:
+        origin["guest"] = {"file": str(prepared.system.guest.path), "sha256": prepared.system.guest.digest}
     record = report.summary(case, outcome, stretch, steady, origin, files, step.as_json(choice))
     lines = report.report(case, outcome, stretch, steady, step.words(choice))
     record["alternation"] = observed.watch.warning
     if case.irregularity:
         record["irregularity"], rough = _irregularity(case)
         lines += rough
+    if prepared.system.model.axle.size and outcome.rows:
+        record["subsystems"], told = _subsystems(prepared, outcome, folder, files, figures)
+        lines += told
     if observed.watch.warning:
         lines += ["", f"Warning: {observed.watch.warning}"]
     record["folder"] = folder
@@ -157,6 +171,16 @@ def _drawn(case, folder):
     from railcli.report import run as report
 
     return report.figures(case, results.envelope(folder / results.TIME_SERIES), folder)
+
+
+def _subsystems(prepared, outcome, folder, files, figures):
+    """Of brakes, traction and adhesion: what the record of a run holds, and lines; draws into the folder."""
+    from railcli.report import braking
+
+    if figures:
+        files += braking.figures(prepared.scenario, prepared.system, outcome, folder)
+    told = braking.as_json(prepared.scenario, prepared.system, outcome)
+    return told, braking.lines(prepared.scenario, prepared.system, outcome)
 
 
 def _irregularity(case):

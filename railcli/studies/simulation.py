@@ -170,6 +170,46 @@ class Simulation:
         value = self._channels[name].source(self._rows)[0]
         return value.copy() if np.ndim(value) else float(value)
 
+    @property
+    def inputs(self) -> dict[str, str]:
+        """What can be commanded by hand: name and what it is. Nothing that a driver or controller already commands."""
+        scenario, found = self.scenario, {}
+        if scenario.brake is not None and scenario.driver.kind == "coast":
+            found["train/brake_demand"] = "0 to 1"
+        if scenario.traction is not None and scenario.driver.kind == "coast":
+            found["train/traction_demand"] = "0 to 1"
+        for a in range(self._system.model.axle.size):
+            if scenario.brake is not None and scenario.brake.valves is not None and scenario.slide_protection is None:
+                found[f"axles/W{a + 1}/valve"] = "0 fill, 1 hold, 2 vent"
+            if scenario.traction is not None and scenario.anti_slip is None:
+                found[f"axles/W{a + 1}/torque_share"] = "0 to 1: of the demanded traction torque"
+        return found
+
+    def command(self, name: str, value: float) -> None:
+        """Set an input of brake or traction; it stands until it is set again.
+
+        Parameters
+        ----------
+        name : str
+            One of `inputs`.
+        value : float
+
+        Raises
+        ------
+        InputError
+            There is no such input, or the value is out of its range.
+        """
+        if name not in self.inputs:
+            none = 'this scenario leaves none to you; driver kind "coast" does'
+            what = hint(name, self.inputs) if self.inputs else none
+            raise InputError(f"input {name!r}", f"there is none; {what}")
+        group, _, port = name.rpartition("/")
+        allowed = (0, 1, 2) if port == "valve" else None
+        if not (value in allowed if allowed else 0.0 <= value <= 1.0):
+            raise InputError(f"input {name!r}", f"must be {self.inputs[name]}, got {value!r}")
+        record = self._data.train[0] if group == "train" else self._data.port[int(group.rpartition("W")[2]) - 1]
+        record[port] = value
+
     def state(self) -> State:
         """The state of this instant."""
         return State(self._arrays())

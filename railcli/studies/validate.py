@@ -12,7 +12,7 @@ def validate(name, folder=None, figures=True, voice=SILENT, **options):
 
     Parameters
     ----------
-    name : {"manchester", "curves", "conicity", "contact"}
+    name : {"manchester", "curves", "conicity", "contact", "braking"}
     folder : pathlib.Path, optional
         Results folder for files.
     figures : bool
@@ -170,4 +170,32 @@ def _contact(folder, figures, voice):
     return record, [report.terminal(sections, result)], _missed(result)
 
 
-COMPARISONS = {"manchester": _manchester, "curves": _curves, "conicity": _conicity, "contact": _contact}
+def _braking(folder, figures, voice):
+    from railcli.analysis.braking_check import DRY, compare_braking
+    from railcli.analysis.warm import warm
+    from railcli.files.braking_reference import braking_criteria, braking_reference, braking_scenarios
+    from railcli.files.provenance import provenance
+    from railcli.report import braking_validation as report
+
+    reference, criteria = braking_reference(), braking_criteria()
+    scenarios = braking_scenarios(reference)
+    warm(voice.announce)
+    tables = tables_for(scenarios[DRY], voice)
+    quiet = Doubts(voice)
+    with voice.job("Validate", 100, "%") as job:
+        result = compare_braking(
+            reference, criteria, scenarios, lambda case: tables_for(case, quiet),
+            lambda share, text: job.update(round(100 * share), text),
+        )  # fmt: skip
+    origin = provenance(scenarios[DRY], tables)
+    record, sections = report.as_json(result, origin), report.sections_of(result)
+    if folder:
+        _write(folder, record, report.csv(result), report.markdown(sections, result, origin, figures))
+        if figures:
+            report.figures(result, folder)
+    return record, [report.terminal(sections, result)], _missed(result)
+
+
+COMPARISONS = {
+    "manchester": _manchester, "curves": _curves, "conicity": _conicity, "contact": _contact, "braking": _braking,
+}  # fmt: skip

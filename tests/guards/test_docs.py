@@ -45,3 +45,13 @@ def test_readme_gives_one_command(title, needed):
     blocks = re.findall(r"^```\w*\n(.*?)^```", text, flags=re.M | re.S)
     assert len(blocks) == 1
     assert needed in blocks[0] and len(blocks[0].splitlines()) == 1
+
+
+def test_tables_of_ports_are_those_of_the_schema(run_python):
+    done = run_python(
+        "import sys; sys.path.insert(0, sys.argv[1]); import ports; "
+        "assert ports.page() == ports.PAGE.read_text(encoding='utf-8'), 'run python docs/ports.py'; "
+        "assert sum(1 for name in ports.OF for _ in ports.fields(name)) > 50",
+        str(ROOT / "docs"),
+    )
+    assert done.returncode == 0, done.stderr

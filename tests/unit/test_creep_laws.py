@@ -36,7 +36,9 @@ def stiffness(ellipse):
 def law_at(law, ellipse, creepage, limit=LIMIT, **values):
     """Force and moment (3,), their derivatives (3, 3)."""
     table = table_of(TABLED[law]) if law in TABLED else np.zeros((0, creep_table.CHANNELS))
-    found = creep.tangential(param(law, **values), table, *ellipse, *stiffness(ellipse), limit, *creepage)
+    record = param(law, **values)
+    reduced = record["adhesion_reduction"], record["slip_reduction"]
+    found = creep.tangential(record, table, *reduced, *ellipse, *stiffness(ellipse), limit, *creepage)
     return np.array(found[:3]), np.array(found[3:]).reshape(3, 3)
 
 

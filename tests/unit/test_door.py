@@ -1,6 +1,7 @@
 """What `import railcli` gives: the same numbers, units and errors as files and commands."""
 
 import json
+import math
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -334,3 +335,24 @@ def test_a_scenario_that_a_user_has_can_be_replaced_by_a_table(table, tmp_path, 
     assert case.model.contents["own.h5"] == tables.identity(tmp_path / "own.h5")
     assert [one.key for one in railcli.build_table(case)] == [table.key]
     assert scenes.SMALL == table.settings
+
+
+def test_a_simulation_is_commanded_by_hand_within_its_ranges(table, tmp_path):
+    tables.save(table, tmp_path / "table.h5")
+    brake = {"kind": "torque", "torque_Nm": 5000.0, "apply_s": 0.0, "valves": {}}
+    contact = {"normal": "hertz", "creep_law": "polach", "table": str(tmp_path / "table.h5")}
+    simulation = railcli.Simulation(railcli.load({
+        "run": {"speed_m_per_s": 5.0, "step_ms": 1.0, "duration_s": 10.0}, "contact": contact,
+        "track": [{"kind": "straight", "length_m": 100.0}], "driver": {"kind": "coast"}, "brake": brake,
+    }))  # fmt: skip
+    simulation.command("train/brake_demand", 1.0)
+    simulation.command("axles/W2/valve", 2)
+    simulation.advance(1.0)
+    assert simulation.read("axles/W1/brake_pressure") > 3e5
+    assert simulation.read("axles/W2/brake_pressure") == 0.0
+    for name, value in (("axles/W1/valve", 3), ("axles/W1/valve", 0.5), ("train/brake_demand", math.nan)):
+        with pytest.raises(railcli.InputError, match=f"input '{name}': must be"):
+            simulation.command(name, value)
+    with pytest.raises(railcli.InputError, match="there is none; did you mean 'train/brake_demand'"):
+        simulation.command("train/brake_demnd", 0.1)
+    assert "train/traction_demand" not in simulation.inputs

@@ -15,7 +15,10 @@ from railcli.files.resources import resource
 from railcli.files.scenario import builtin_scenarios, load
 from railcli.kernels.layout import Creep
 from railcli.model import (
+    adhesion,
     air,
+    controls,
+    driving,
     elements,
     friction_elements,
     limits,
@@ -372,7 +375,10 @@ def test_registry_gives_a_near_name():
 
 
 def descriptions():
-    modules = scenario, sections, limits, vehicle, elements, friction_elements, tables, moments, air, track_support
+    modules = (
+        scenario, sections, limits, vehicle, elements, friction_elements, tables, moments, air, track_support,
+        driving, controls, adhesion,
+    )  # fmt: skip
     for module in modules:
         for item in vars(module).values():
             if isinstance(item, type) and issubclass(item, Description) and item.__module__ == module.__name__:
@@ -382,7 +388,7 @@ def descriptions():
 
 def documented_rows():
     """Stem and SI unit of each documented key with the cells beside it."""
-    for line in DOCS.read_text().splitlines():
+    for line in DOCS.read_text().partition("### `[driver]`")[0].splitlines():
         if line.startswith("| `"):
             first, *cells = (cell.strip() for cell in line.strip("|").split("|"))
             for key in re.findall(r"`(\w+)`", first):

@@ -151,6 +151,7 @@ int64_t touch(const struct model *model, struct data *data)
         double z = rail_z + side * wheel->lateral * sr + wheel->radius * cr;
         int found = look_up(model, &model->table[wheel->table], y, side * roll, side * yaw, z, sample);
         rail->x = rail->y = rail->q = rail->patches = 0.0;
+        rail->grip[0] = wheel->friction;
         sr = frame->sine[0], cr = frame->cosine[0], cy = frame->cosine[2];
         for (int j = found > 0 ? found : 0; j < MAX_CONTACT; j++) {
             data->contact[w][j].normal = 0.0;

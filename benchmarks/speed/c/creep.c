@@ -78,10 +78,12 @@ void slip(const struct model *model, struct data *data)
             vec across = cross(normal, along);
             vec arm_x = cross(arm, along), arm_t = cross(arm, across);
             double t[3], slope_of[3][3];
-            contact->xi = (dot(along, v) + dot(arm_x, omega)) * per_speed;
-            contact->eta = (dot(across, v) + dot(arm_t, omega)) * per_speed;
+            contact->slip_x = dot(along, v) + dot(arm_x, omega);
+            contact->slip_t = dot(across, v) + dot(arm_t, omega);
+            contact->xi = contact->slip_x * per_speed;
+            contact->eta = contact->slip_t * per_speed;
             contact->phi = dot(normal, omega) * per_speed;
-            forces_and_jacobian(param->creep_law, contact, wheel->friction * n, contact->xi, contact->eta,
+            forces_and_jacobian(param->creep_law, contact, rail->grip[0] * n, contact->xi, contact->eta,
                                 contact->phi, t, slope_of);
             contact->creep_x = t[0], contact->creep_t = t[1], contact->spin_moment = t[2];
             vec here = add(add(scale(t[0], along), scale(t[1], across)), scale(-n, normal));
