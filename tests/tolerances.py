@@ -454,3 +454,9 @@ CANT_BY_PLACE = 2e-6  # [m] a spline over the kinks of a cant ramp of 1.7 mm/m, 
 FITTED_STEP = 1e-4  # rounding to four steps, on the mean of 400
 RESTORED = 2e-4  # [m] of waves of 8 mm in all; the record's ends are 20 chords away
 FOUND_END = 12.0  # [m] half of the 20 m over which curvature is averaged
+
+# --- Parameter studies ---
+SUM_OF_A_GRID = 1e-14  # rounding of a place between two ends, against that of numpy.linspace
+MOMENT_OF_A_SAMPLE = 2.0 / 4000  # share of 4000 evenly drawn values: one value on each side
+ISHIGAMI = 0.06  # indices of 1024 base points: three times their 95 % interval of 0.02 at most for totals
+ISHIGAMI_BY_BALANCE = 0.05  # of 4000 points: ten harmonics over-estimate by some 0.01, noise is as much
