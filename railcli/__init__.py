@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         Simulation,
         SimulationError,
         State,
+        Swept,
         Vehicle,
         assess,
         build_table,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
         open_results,
         run,
         steady,
+        sweep,
         validate,
     )
 
@@ -41,6 +43,7 @@ __all__ = [
     "Simulation",
     "SimulationError",
     "State",
+    "Swept",
     "Vehicle",
     "assess",
     "build_table",
@@ -52,6 +55,7 @@ __all__ = [
     "open_results",
     "run",
     "steady",
+    "sweep",
     "validate",
 ]
 

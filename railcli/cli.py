@@ -17,6 +17,7 @@ from railcli.commands.profile import profile
 from railcli.commands.report import report
 from railcli.commands.rt_bench import rt_bench
 from railcli.commands.run import run
+from railcli.commands.sweep import sweep
 from railcli.commands.track import track
 from railcli.commands.validate import validate
 from railcli.commands.vehicle import scenario, vehicle
@@ -88,7 +89,7 @@ def main(debug):
 
 
 for _command in (
-    profile, build_lut, contact, conicity, track, vehicle, scenario, run, assess, report, diff, export, modes,
+    profile, build_lut, contact, conicity, track, vehicle, scenario, run, sweep, assess, report, diff, export, modes,
     critical_speed, rt_bench, validate,
 ):  # fmt: skip
     main.add_command(_command)

@@ -28,6 +28,7 @@ from railcli.model.checks import hint
 from railcli.studies.answer import Answer
 from railcli.studies.simulation import Simulation as SimulationStudy
 from railcli.studies.simulation import State
+from railcli.studies.sweep.answer import Swept
 from railcli.studies.voice import SILENT, Told, Voice
 
 if TYPE_CHECKING:
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Answer", "CheckError", "InputError", "RailcliError", "Results", "Scenario", "Simulation", "SimulationError",
-    "State", "Vehicle", "assess", "build_table", "conicity", "critical_speed", "load", "load_vehicle", "modes",
-    "open_results", "run", "steady", "validate",
+    "State", "Swept", "Vehicle", "assess", "build_table", "conicity", "critical_speed", "load", "load_vehicle", "modes",
+    "open_results", "run", "steady", "sweep", "validate",
 ]  # fmt: skip
 
 Place = str | PathLike[str]
@@ -416,6 +417,38 @@ def validate(
         raise rejection
     found: Answer = answer
     return found
+
+
+def sweep(
+    study: AnyScenario,
+    folder: Place | None = None,
+    progress: Progress | None = None,
+    *,
+    vary: Mapping[str, Any] | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    sure: bool = False,
+    overwrite: bool = False,
+    figures: bool = False,
+    **more: Any,
+) -> Swept:
+    """Make the runs of a study, as `railcli sweep` (docs/sweep.md): an Answer whose `frame` holds a row for each.
+
+    Parameters
+    ----------
+    study : a study's name, file or dict, or a scenario
+    vary : dict
+        Values by key: a list, or a dict that holds what an entry of ``vary`` in a file would.
+    workers, scheduler, sure, overwrite, figures
+        Of `studies.sweep.study.sweep`.
+    **more
+        Further keys of a study: ``sample={"count": 64}``, ``seeds=5``, ``outputs=["steady.*"]``, ``channel=[...]``.
+    """
+    from railcli.studies.sweep.call import call
+
+    source = study.model if isinstance(study, Scenario) else _given(study)
+    place = None if folder is None else Path(folder)
+    return call(source, place, dict(vary or {}), more, workers, scheduler, sure, overwrite, figures, _voice(progress))
 
 
 def open_results(path: Place, *channels: str, filtered: bool = False) -> DataFrame:

@@ -8,6 +8,16 @@ class RailcliError(Exception):
 
     exit_code = 1
 
+    def __reduce__(self):
+        return _again, (type(self), str(self))
+
+
+def _again(kind, text):
+    """An error that another process raised."""
+    error = kind.__new__(kind)
+    error.args = (text,)
+    return error
+
 
 class InputError(RailcliError):
     """Something the user gave (file, option, output place) cannot be used.

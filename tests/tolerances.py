@@ -458,3 +458,9 @@ FOUND_END = 12.0  # [m] half of the 20 m over which curvature is averaged
 # Brakes and drives
 UNBOOKED = 1e-3  # of the kinetic energy: the share that a ledger may leave out at a step of 1 ms
 CREEPS_NOT = 1e-6  # [m] within 15 s: a wheelset that its brake holds on a gradient, once the car body swings no more
+
+# --- Parameter studies ---
+SUM_OF_A_GRID = 1e-14  # rounding of a place between two ends, against that of numpy.linspace
+MOMENT_OF_A_SAMPLE = 2.0 / 4000  # share of 4000 evenly drawn values: one value on each side
+ISHIGAMI = 0.06  # indices of 1024 base points: three times their 95 % interval of 0.02 at most for totals
+ISHIGAMI_BY_BALANCE = 0.05  # of 4000 points: ten harmonics over-estimate by some 0.01, noise is as much

@@ -58,7 +58,8 @@ class Equilibrium:
 class _Steady:
     """Unknowns of a steady motion and the accelerations that belong to them."""
 
-    def __init__(self, system, model, speed, s, held=None):
+    def __init__(self, system, model, speed, s, held=None, blurred=None):
+        """blurred : `rounding` of the model, where it is known."""
         self.model, self.s = model, s
         self.held = held or {}
         self.data = system.start(s)
@@ -76,12 +77,19 @@ class _Steady:
         self.free[[6 * i + 1 for i in self.held]] = False
         self.coordinate = coordinate
         self.spins = spins
-        self.tolerance = TOLERANCE + rounding(model, self.rest).ravel()[self.free]
+        blurred = rounding(model, self.rest) if blurred is None else blurred
+        self.tolerance = TOLERANCE + blurred.ravel()[self.free]
         self.moving = speed > 0.0
         rate = np.zeros(n) if not self.moving else np.where(spins, 1.0, 0.0)
         self.n_q = int(coordinate.sum())
         self.n_spin = int(rate.sum())
         self.size = self.n_q + self.n_spin + (1 if self.moving else 0)
+        self.q, self.v = np.zeros((n, 6)), np.zeros((n, 6))  # places, and velocities without spin
+        for i, y in self.held.items():
+            self.q[i, 1] = y
+        self.at = np.flatnonzero(coordinate)
+        self.spinning = np.flatnonzero(spins)
+        self.given = [()] * n  # what decided the velocities of each body
         self.scale = np.concatenate(
             [np.full(self.n_q, 1.0), np.full(self.n_spin, 100.0), np.full(self.size - self.n_q - self.n_spin, 100.0)]
         )
@@ -110,30 +118,31 @@ class _Steady:
     def place(self, x, turning):
         """Write the motion x into data; turning : rotation of the track frame per metre [1/m]."""
         data = self.data
-        q = np.zeros_like(data.q)
-        q[self.coordinate] = x[: self.n_q]
-        for i, y in self.held.items():
-            q[i, 1] = y
-        q[0, 0] = 0.0
-        q[:, 0] += self.s
-        data.q[:] = q
+        self.q.ravel()[self.at] = x[: self.n_q]
+        data.q[:] = self.q
+        data.q[:, 0] += self.s
         data.v[:] = 0.0
         data.dv[:] = 0.0
         if not self.moving:
             return
-        speed, spin = x[-1], iter(x[self.n_q : -1])
+        speed = x[-1]
         if not any(turning):
             data.v[:, 0] = speed
             data.v[self.spins, 4] = x[self.n_q : -1]
             return
-        for i in range(q.shape[0]):
-            _, y, z, roll, pitch, yaw = q[i]
-            kx, ky, kz = turning
-            axes = np.array(own_axes(*sines(roll, pitch, yaw, self.spins[i])))
-            data.v[i, :3] = speed * (1.0 + ky * z - kz * y), -speed * kx * z, speed * kx * y
-            data.v[i, 3:] = speed * (axes.T @ np.array(turning))
-            if self.spins[i]:
-                data.v[i, 4] += next(spin)
+        for i, place in enumerate(self.q[:, 1:].tolist()):
+            given = (*place, speed, turning)
+            if self.given[i] != given:  # most evaluations move one body of all
+                self.given[i], self.v[i] = given, self._velocity(i, *given)
+        data.v[:] = self.v
+        data.v[self.spinning, 4] += x[self.n_q : -1]
+
+    def _velocity(self, i, y, z, roll, pitch, yaw, speed, turning):
+        """Velocities (6,) of a body that is carried along by a track frame that turns, without its spin."""
+        kx, ky, kz = turning
+        axes = own_axes(*sines(roll, pitch, yaw, self.spins[i]))
+        carried = speed * (1.0 + ky * z - kz * y), -speed * kx * z, speed * kx * y
+        return *carried, *(speed * (kx * x + ky * y + kz * z) for x, y, z in zip(*axes, strict=True))
 
     def accelerations(self, x, turning):
         self.place(x, turning)
@@ -397,13 +406,14 @@ def steady(system, curvature, cant, speed=None, lateral=None, gradient=0.0, asid
     if system.model.assembly[0]["free"]:  # nobody holds its speed in the run; here a force does
         param["hold"] = hold_gain(system.model.body[0]["mass"], float(param[0]["step"]))
     base = param[0]["cant_base"]
+    blurred = rounding(system.model, system.rest)
 
     def into_curve(share, x):
         track = pack(constant_track(share * curvature, share * cant), gradients=rising(share * gradient))
         own = param.copy()
         shift, own["shift_start"], own["shift_step"] = constant_rails(*(share * rail for rail in aside))
         model = freeze(system.model._replace(param=own, track=track, shift=shift))
-        motion = _Steady(system, model, speed, 0.0)
+        motion = _Steady(system, model, speed, 0.0, blurred=blurred)
         turning = _turning(share * curvature, share * cant, base, share * gradient)
         return (motion, *_solve(motion, motion.first_guess(speed) if x is None else x, turning))
 

@@ -28,7 +28,7 @@ class StepChoice(NamedTuple):
     limit: StepLimit
 
 
-def with_step(scenario, system, speeds=(), interval=None):
+def with_step(scenario, system, speeds=(), interval=None, limit=None):
     """Settle the time step of a run.
 
     Parameters
@@ -40,6 +40,8 @@ def with_step(scenario, system, speeds=(), interval=None):
         Lowest and highest speed of the run [m/s]; those of the scenario when there are none.
     interval : float, optional
         What has to be a whole number of chosen steps [s]; the output interval when absent.
+    limit : StepLimit, optional
+        Of the model, where it is known.
 
     Returns
     -------
@@ -50,11 +52,7 @@ def with_step(scenario, system, speeds=(), interval=None):
     InputError
         The given step is longer than the model bears.
     """
-    if not speeds and scenario.run.course is not None:
-        speeds = min(scenario.run.course.speed), max(scenario.run.course.speed)
-    if not speeds and scenario.is_free:
-        speeds = 0.0, scenario.run.speed
-    limit = step_limit(system, speeds)
+    limit = limit or step_limit(system, speeds or speeds_of(scenario))
     given = scenario.run.step
     if given is not None:
         if given > limit.allowed:
@@ -70,6 +68,14 @@ def with_step(scenario, system, speeds=(), interval=None):
         )  # fmt: skip
     own = {"step": step} if divides(step, scenario.run.output_interval) else {"step": step, "output_interval": interval}
     return Stepped(scenario.varied(run=own), system.stepped(step), StepChoice(step, True, limit))
+
+
+def speeds_of(scenario):
+    """Lowest and highest speed of a run whose speed changes [m/s]; none of one at a constant speed."""
+    if scenario.is_free:
+        return 0.0, scenario.run.speed
+    course = scenario.run.course
+    return () if course is None else (min(course.speed), max(course.speed))
 
 
 def longest_usual(allowed, interval):

@@ -5,6 +5,7 @@ spectral radius of its Jacobian. And for each wheelset, at every lateral place u
 h^2 K/4 + h C <= M for what the step treats explicitly, which creep is not.
 """
 
+import hashlib
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,6 +40,9 @@ SECOND = 0.5  # of the share of the first part in a growing disturbance, from wh
 LIFTED = 5e-3  # by which wheels off their rails are smaller [m]
 CROSSWISE = [1, 2, 3, 5]  # y, z, roll, yaw
 MOVES = ("moves along the track", "moves sideways", "bounces", "rolls", "pitches", "yaws")
+
+
+APART = ("track", "shift", "node", "cell", "branch", "heights")  # arrays of a model: where it runs, contact tables
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,15 @@ def step_limit(system, speeds=()):
     for motion in motions:
         limit = motion.limit(limit)
     return limit
+
+
+def fingerprint(system, speeds=()):
+    """Digest of all of a system that its limit depends on, but for what is in its contact tables."""
+    model, param = system.model, system.model.param.copy()
+    param["shift_start"] = param["shift_step"] = 0.0
+    parts = [param, system.rest, system.damper, np.array(speeds), np.array([system.speed])]
+    parts += [array for name, array in model._asdict().items() if name not in ("param", *APART)]
+    return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
 def stiffest(system):

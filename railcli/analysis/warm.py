@@ -22,11 +22,16 @@ def warm(announce=None):
     announce : callable, optional
         Called with a sentence when this compiles, which takes some ten seconds once for each version of the kernels.
     """
-    if announce and not all(_is_kept(f"step.{entry.__name__}") for entry in CORE):
+    if announce and not is_warm():
         announce("Compiling the core (once for this version and machine, up to 30 s) ...")
     for entry in CORE:
         entry.compiled()
     jit.forget_old_code()
+
+
+def is_warm():
+    """True when the compiled core is kept: `warm` only reads it."""
+    return all(_is_kept(f"step.{entry.__name__}") for entry in CORE)
 
 
 def warm_tables(wheel, rail, settings, announce=None):

@@ -62,7 +62,7 @@ def columns(results, patterns=()):
 
 def columns_of(several, patterns=()):
     """Columns of each of several results, as `columns`; a pattern need fit one of the results only."""
-    every = [[column for channel in one.channels.values() for column in _of_channel(channel)] for one in several]
+    every = [[column for channel in one.channels.values() for column in columns_of_channel(channel)] for one in several]
     for pattern in patterns:
         if not any(_fits(column, pattern) for of_one in every for column in of_one):
             near = nearest(pattern, list(several[0].channels))
@@ -120,7 +120,8 @@ def data_frame(results, chosen):
     return pandas.DataFrame(values[:, 1:], columns=others, index=pandas.Index(values[:, 0], name=time), copy=False)
 
 
-def _of_channel(channel):
+def columns_of_channel(channel):
+    """Columns of a read_results.Channel."""
     if not channel.components:
         return [Column(channel.name, channel.units, channel.description, channel.name, None, channel.of_interval)]
     return [

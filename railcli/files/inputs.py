@@ -94,6 +94,24 @@ def restore(values, folder):
     return contents
 
 
+def profiles_of(scenario):
+    """Kind and digest of every profile that a scenario knows, by its place."""
+    return {
+        place: [content.kind, digest_of(content)]
+        for place, content in scenario.contents.items()
+        if isinstance(content, Profile)
+    }
+
+
+def profiles(path, wanted):
+    """Profiles of a file of inputs by their places; wanted : as `profiles_of`."""
+    seal.check(path, TITLE, "a file of inputs", _AGAIN, f"is missing; {_AGAIN}")
+    import h5py
+
+    with h5py.File(path, "r", locking=False) as file:
+        return {place: _profile(file[f"profiles/{digest}"], kind) for place, (kind, digest) in wanted.items()}
+
+
 def _put(group, key, values, unit):
     if key not in group:
         group.create_dataset(key, data=np.asarray(values, float), **COMPRESSION)

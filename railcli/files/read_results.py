@@ -75,7 +75,8 @@ class Rows:
         def visit(name, item):
             if isinstance(item, h5py.Dataset) and name.split("/")[0] not in apart:
                 about = (item.attrs[key] for key in ("units", "description"))
-                found[name] = Channel(name, *about, _columns(item), bool(item.attrs.get(OF_INTERVAL, False)))
+                of_interval = bool(item.attrs.get(OF_INTERVAL, False))
+                found[name] = Channel(name, *about, components_of(item.name, item.shape), of_interval)
                 if item.shape[0] != self.rows:
                     raise KeyError(name)
                 check_size(item)
@@ -187,26 +188,21 @@ class Results(Rows):
     def scenario(self):
         """The Scenario that was run with all that it was made from, as the folder holds them."""
         path = self.folder / SCENARIO
-        values = _json(path)
+        values = read_json(path)
         contents = restore(values, self.folder)
-        try:
-            return Scenario.model_validate(values, by_alias=True, by_name=False).knowing(contents)
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            place = ".".join(str(part) for part in first["loc"])
-            raise InputError(path, f"is no scenario of this version of railcli: {place}: {first['msg']}") from None
+        return built_scenario(values, path).knowing(contents)
 
     @cached_property
     def settings(self):
         """The scenario as the file holds it, whatever version of railcli wrote it; empty without the file."""
         path = self.folder / SCENARIO
-        return _json(path) if path.exists() else {}
+        return read_json(path) if path.exists() else {}
 
     @cached_property
     def summary(self):
         """Contents of the summary; empty when the run broke off before it was written."""
         path = self.folder / SUMMARY
-        return _json(path) if path.exists() else {}
+        return read_json(path) if path.exists() else {}
 
     @property
     def fault(self):
@@ -254,15 +250,27 @@ class Results(Rows):
             raise InputError(self._path, f"holds no rows; {_ASK_AGAIN}")
 
 
-def _columns(dataset):
-    if len(dataset.shape) == 1:
+def built_scenario(values, path):
+    """The Scenario of the values in scenario.json; path : for messages."""
+    try:
+        return Scenario.model_validate(values, by_alias=True, by_name=False)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise InputError(path, f"is no scenario of this version of railcli: {place}: {first['msg']}") from None
+
+
+def components_of(name, shape):
+    """Names of the columns of a channel of this shape; none of one whose rows are numbers."""
+    if len(shape) == 1:
         return ()
-    count = dataset.shape[1]
-    given = COMPONENTS.get(dataset.name.rsplit("/", 1)[-1], AXES)
+    count = shape[1]
+    given = COMPONENTS.get(name.rsplit("/", 1)[-1], AXES)
     return given if len(given) == count else tuple(str(k + 1) for k in range(count))
 
 
-def _json(path):
+def read_json(path):
+    """Table of a JSON file that railcli wrote."""
     data = read_bytes(path, "a file of a results folder", LARGEST_MB, f"is missing; {_ASK_AGAIN}")
     try:
         value = json.loads(data.decode("utf-8"))

@@ -16,23 +16,27 @@ STATUSES = ("pass", "warn", "fail", "not formed", "no limit")
 
 @dataclass
 class Table:
-    """A table of text: a heading, the heads of its columns, its rows, and what must be said about it."""
+    """A table of text: a heading, the heads of its columns, its rows, and what must be said about it.
+
+    numbers : its cells but the first are some.
+    """
 
     title: str
     head: list
     rows: list
     note: str = ""
+    numbers: bool = False
 
 
-def template():
-    """The page's template.
+def template(name="report.html", where="railcli report"):
+    """A page's template.
 
     Raises
     ------
     InputError
         jinja2 is not installed.
     """
-    jinja2 = optional("jinja2", "report", "railcli report")
+    jinja2 = optional("jinja2", "report", where)
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("railcli.report"),
         autoescape=True,
@@ -40,7 +44,7 @@ def template():
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html")
+    return environment.get_template(name)
 
 
 def title(several):

@@ -1,11 +1,14 @@
 """The steady motion in which a run ends, by Newton's method, without the run."""
 
 from railcli.analysis import steady_values
-from railcli.errors import InputError
+from railcli.analysis.step_choice import with_step
+from railcli.analysis.warm import warm
+from railcli.errors import InputError, SimulationError
+from railcli.model.system import assemble
 from railcli.report.run import sides_of, steady_json, steady_motion_text
 
 from .answer import Answer
-from .run import prepare
+from .tables import tables_for
 from .voice import SILENT
 
 
@@ -36,8 +39,8 @@ def steady(scenario, voice=SILENT):
             f"the last {scenario.average_over:g} m (run.average_over_m) are not one straight or curve at one speed, "
             "where a motion could be steady",
         )
-    prepared = prepare(scenario, voice)
-    values = steady_values.motion(prepared.system, stretch, scenario.final_speed)
+    warm(voice.announce)
+    values = motion_of(scenario, assemble(scenario, tables_for(scenario, voice)), stretch)
     lateral, vertical = steady_values.expected_forces(scenario, stretch)
     record = {
         "scenario": scenario.name,
@@ -50,3 +53,14 @@ def steady(scenario, voice=SILENT):
         "without_dry_friction": scenario.vehicle.is_dry,
     }
     return Answer(record, steady_motion_text(scenario, stretch, values))
+
+
+def motion_of(scenario, system, stretch):
+    """The steady motion of a scenario that is assembled; SteadyValues.
+
+    Newton's method needs no time step: one is settled only where a short run has to find its first guess.
+    """
+    try:
+        return steady_values.motion(system, stretch, scenario.final_speed)
+    except SimulationError:
+        return steady_values.motion(with_step(scenario, system).system, stretch, scenario.final_speed)

@@ -1,6 +1,7 @@
 """Contact tables: those that a scenario needs from the user's cache, or built and certified."""
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from railcli.analysis.build_table import build_table
 from railcli.analysis.certify import LIMITS, SEED, certify
@@ -182,8 +183,11 @@ def _kept(path, expect):
     return (stored.table if stored.kernels == jit.source_digest() else None), ""
 
 
-def tables_for(scenario, voice=SILENT):
-    """Contact tables of a scenario, one for each pairing that `model.system.needed` names, in this order."""
+def tables_for(scenario, voice=SILENT, shelf=None):
+    """Contact tables of a scenario, one for each pairing that `model.system.needed` names, in this order.
+
+    shelf : what keeps tables at hand between scenarios; its `get(key, make)` gives that of a key.
+    """
     tables, told = [], set()
     for pairing in needed(scenario):
         wheel, rail = profile_of(scenario, pairing.wheel, "wheel"), profile_of(scenario, pairing.rail, "rail")
@@ -192,10 +196,12 @@ def tables_for(scenario, voice=SILENT):
         settings = settings.on(rail) if rail in told else settings_on([rail], settings)
         told.add(rail)
         if pairing.file is None:
-            tables.append(table_for(settings, wheel, rail, voice))
+            key, make = cached_path(settings, wheel, rail), partial(table_for, settings, wheel, rail, voice)
         else:
             expect = Expected(wheel, rail, settings, OF_A_SCENARIO, pairing.wheel, pairing.rail)
-            tables.append(load(pairing.file, expect))
+            key = pairing.file, expect.settings, wheel.digest(), rail.digest()
+            make = partial(load, pairing.file, expect)
+        tables.append(make() if shelf is None else shelf.get(key, make))
     return tables
 
 
