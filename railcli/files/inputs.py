@@ -20,7 +20,7 @@ from .profiles import BUNDLED, load_profile
 
 SCENARIO, INPUTS = "scenario.json", "inputs.h5"
 TITLE = "railcli inputs of a run"
-COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True, "fletcher32": True}
 _AGAIN = "run the scenario again"
 
 

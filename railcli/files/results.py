@@ -26,7 +26,7 @@ MAIN_CHANNELS = "main.csv"
 PIECE, ENVELOPE = 20_000, 8000  # rows of a long run read at a time; rows of it that a picture needs
 NOTHING = "none"  # in the place of globs
 FORMAT = "railcli time series"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3  # sealed; 2 was not
 
 BODY_CHANNELS = {  # name: how to read it from the rows of body i, units, description
     "position": (lambda rows, i: rows.q[:, i, :3], "m", "arc length s, lateral y, vertical z in the track frame at s"),
@@ -118,7 +118,7 @@ class TimeSeries:
         self.time = 0.0
 
     def __enter__(self):
-        self._growing = GrowingHdf5(self._path)
+        self._growing = GrowingHdf5(self._path, FORMAT)
         try:
             with refused(self._path), self._growing.growing(0):
                 self._begin(self._growing.file)

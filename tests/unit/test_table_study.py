@@ -14,7 +14,7 @@ from railcli.analysis.build_table import build_table
 from railcli.errors import InputError
 from railcli.files import scenario
 from railcli.files.tables import ARRAYS, read, save
-from railcli.kernels import jit
+from railcli.kernels import jit, place
 from railcli.model.contact_table import TableSettings, mount
 from railcli.model.system import assemble
 from railcli.studies import tables
@@ -178,6 +178,7 @@ DIES = """
 from railcli.files.lock import alone
 import os, signal
 place = tables.cached_path(settings, *profiles)
+place.parent.mkdir(parents=True, exist_ok=True)
 with alone(place):
     print("holds", flush=True)
     sys.stdin.readline()
@@ -189,7 +190,7 @@ with alone(place):
 def process(tmp_path):
     """Function that starts Python code which knows the cache in `tmp_path`, and compiled code where it is kept."""
     places = {"PYTHONPATH": str(ROOT), "RAILCLI_CACHE_DIR": str(tmp_path)}
-    code_cache = os.environ.get("NUMBA_CACHE_DIR") or str(jit.cache_root() / "code")
+    code_cache = os.environ.get("NUMBA_CACHE_DIR") or str(place.cache_root() / "code")
     environment = {**os.environ, **places, "NUMBA_CACHE_DIR": code_cache}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     return lambda code: subprocess.Popen([sys.executable, "-c", code], env=environment, **pipes)
