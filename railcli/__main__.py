@@ -1,5 +1,6 @@
 """The command `railcli`, and `python -m railcli`: it can be stopped from its first moment on."""
 
+import os
 import sys
 
 from railcli import interruption
@@ -8,6 +9,7 @@ from railcli import interruption
 def main():
     """Run the command and leave with its exit code."""
     interruption.listen()
+    _open_streams()
     try:
         from railcli.cli import main as command
 
@@ -23,6 +25,20 @@ def main():
         sys.exit(code)
     finally:
         interruption.deafen()
+
+
+def _open_streams():
+    """What is said goes nowhere where a stream is closed, and never into a file that took its place.
+
+    A letter that the encoding of a terminal lacks is an escape.
+    """
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    os.close(descriptor)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+        getattr(sys, name).reconfigure(errors="backslashreplace")
 
 
 if __name__ == "__main__":

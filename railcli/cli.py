@@ -1,8 +1,7 @@
 """The command `railcli`: its commands, and the one place where an error becomes a line and an exit code."""
 
-import os
 import sys
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 
 import click
 
@@ -23,7 +22,7 @@ from railcli.commands.run import run
 from railcli.commands.track import track
 from railcli.commands.validate import validate
 from railcli.commands.vehicle import scenario, vehicle
-from railcli.errors import RailcliError
+from railcli.errors import RailcliError, RailcliWarning, harmless
 
 PURPOSES = {  # which commands belong together, in the order of use
     "Contact and track": (profile, build_lut, contact, conicity, track),
@@ -89,14 +88,13 @@ class RailGroup(click.Group):
             sys.exit(exit_code)
 
     def invoke(self, ctx):
-        if sys.stdout is None:  # closed by whoever started us; what is printed goes nowhere, files are written
-            sys.stdout = open(os.devnull, "w", encoding="utf-8")
         import warnings
 
         with warnings.catch_warnings():
-            if not sys.warnoptions:
-                warnings.showwarning = lambda message, *_: _tell(f"Warning: {' '.join(str(message).split())}")
-            return self._invoke(ctx)
+            warnings.filterwarnings("always", category=RailcliWarning)
+            warnings.showwarning = lambda message, *_: _tell(f"Warning: {' '.join(str(message).split())}")
+            with _heard_announcements():
+                return self._invoke(ctx)
 
     def _invoke(self, ctx):
         try:
@@ -121,8 +119,25 @@ class RailGroup(click.Group):
 
 def _tell(message):
     """A line on stderr, if anyone is left there to read it."""
-    with suppress(OSError):
-        click.echo(message, err=True)
+    with suppress(OSError, ValueError):
+        click.echo(harmless(message), err=True)
+
+
+@contextmanager
+def _heard_announcements():
+    """Tell on stderr what readers of files tell to the logger of railcli."""
+    import logging
+
+    logger, handler = logging.getLogger("railcli"), logging.Handler()
+    handler.emit = lambda record: _tell(record.getMessage())
+    before = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(before)
 
 
 @click.group(cls=RailGroup)

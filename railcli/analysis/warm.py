@@ -19,7 +19,9 @@ def warm(announce=None):
     announce : callable, optional
         Called with a sentence when this compiles, which takes some ten seconds once for each version of the kernels.
     """
-    if announce and not all(jit.is_kept(f"step.{entry.__name__}") for entry in CORE):
+    if announce and jit.numba.config.DISABLE_JIT:
+        announce("NUMBA_DISABLE_JIT is set: nothing is compiled, and all is a thousand times slower.")
+    elif announce and not all(jit.is_kept(f"step.{entry.__name__}") for entry in CORE):
         announce("Compiling the core (once for this version and machine, up to 30 s) ...")
     for entry in CORE:
         entry.compiled()

@@ -222,9 +222,9 @@ def whole_hdf5(path, head=None):
 
 
 def write_text(path, text):
-    """Write a whole UTF-8 text file with Unix line ends."""
+    """Write a whole UTF-8 text file with Unix line ends; bytes of a file's name that are no text become escapes."""
     with whole_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+        temporary.write_text(text, encoding="utf-8", newline="\n", errors="backslashreplace")
 
 
 def write_json(path, value):
@@ -234,7 +234,15 @@ def write_json(path, value):
 
 def json_text(value):
     """Return strict JSON: NumPy scalars and arrays as numbers and lists, NaN and infinity as null, paths as text."""
-    return json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    return "".join(letter if letter.isprintable() or letter == "\n" else json.dumps(letter)[1:-1] for letter in text)
+
+
+def cell(text):
+    """A user's words as a cell of a CSV file: quoted where it is needed, and no formula to a spreadsheet."""
+    text = "".join(letter if letter.isprintable() else " " for letter in text)
+    text = f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
+    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',;"') else text
 
 
 def file_name(text):

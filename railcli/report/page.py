@@ -11,7 +11,7 @@ from . import assess
 from .curves import SIDES
 from .settings import differing, flat, shown
 
-STATUSES = ("pass", "warn", "fail", "not formed", "no limit")
+STATUSES = ("pass", "warn", "fail", "not evaluated", "no limit")
 
 
 @dataclass

@@ -53,7 +53,7 @@ def _panels(figure, scenario, linear, answers):
         for color, (label, gain) in zip(SERIES, _accelerations(linear, answer, axis).items(), strict=False):
             top.loglog(answer.frequency, 1e-3 * np.abs(gain), color=color, label=label)
         top.set_title(f"{kind} displacement of both rails, {linear.speed:g} m/s")
-        top.set_ylabel(f"{kind} acceleration\n[m/s$^2$ per mm]")
+        top.set_ylabel(f"{kind} acceleration\n[m/s² per mm]")
         top.legend()
         w = 0
         bottom.loglog(answer.frequency, 1e-6 * np.abs(answer.wheel[:, w, axis]), color=SERIES[0],

@@ -44,7 +44,11 @@ def conditions(scenario):
         asked = speed(run.speed)
     else:
         asked = f"{min(run.course.speed):g} to {speed(run.speed)}, over time"
-    falls = f", falling to {contact.friction_ratio:g} of it" if contact.friction_decay > 0.0 else ""
+    falls = (
+        f", falling with the speed of sliding to {contact.friction * contact.friction_ratio:.3g}"
+        if contact.friction_decay > 0.0
+        else ""
+    )
     pairs = [
         ("speed", asked),
         ("friction", f"{contact.friction:g}{falls}"),

@@ -58,7 +58,7 @@ def test_damaged_code_is_compiled_again_with_a_warning(twice, tmp_path):
         path.write_bytes(damage)
         value, hit, told = twice()
         assert (value, hit) == (8.0, False) and "is damaged" in told and told.count("Warning") == 1
-        assert path.read_bytes()[-32:] != damage[-32:] and twice() == (8.0, True, "")
+        assert path.read_bytes() != damage and twice() == (8.0, True, "")
 
 
 def test_a_cache_that_cannot_be_written_costs_time_only(twice, tmp_path):

@@ -100,7 +100,7 @@ def test_every_pairing_of_a_scenario_gets_its_table(profiles, cache, built, monk
     assert assemble(case, found).model.wheel["table"].tolist() == [0, 1, 0, 2, 0, 2, 0, 2]
 
 
-def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, cache, monkeypatch, capsys, voice):
+def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, cache, monkeypatch, recwarn, voice):
     wheel, rail = profiles
     leaning = dataclasses.replace(rail.rotated(-math.atan(1 / 40)), inclined=None)
     included = dataclasses.replace(leaning, inclined=True)
@@ -115,7 +115,8 @@ def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, ca
         known = dataclasses.replace(item)
         monkeypatch.setattr(tables, "profile_of", lambda _, place, kind, known=known: {"rail": known}.get(kind, wheel))
         assert {settings.inclination for settings in tables.tables_for(case, voice)} == {inclination}
-        assert capsys.readouterr().err.count("Warning") == warnings
+        assert len(recwarn.list) == warnings
+        recwarn.clear()
 
 
 def test_a_named_table_of_the_left_side_must_be_for_it(coarse, tmp_path, voice):
