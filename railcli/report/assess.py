@@ -11,7 +11,7 @@ from railcli.model.assessment import FIGURES, GROUPS, NOT_CONSULTED
 
 from .figures import GREY, SERIES, VERMILION, draw
 from .run import track_strip
-from .text import columns, conditions, facts
+from .text import columns, conditions, facts, speed
 
 SHOWN = {"kN": 1e-3}  # factor from SI to the unit that a figure is shown in
 PANELS = (  # figure, label of the axis, both signs of the limit
@@ -269,7 +269,7 @@ def _draw(canvas, name, scenario, assessment, panels):
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     track_strip(strip, axes, scenario, assessment.conditions["to_m"])
     few = len(assessment.sections) <= MANY
-    strip.set_title(f"{name}, {scenario.run.speed:g} m/s; dashed: limits{', thin: sections' * few}")
+    strip.set_title(f"{name}, {speed(scenario.run.speed)}; dashed: limits{', thin: sections' * few}")
     for section in assessment.sections * few:
         for axis in axes:
             axis.axvline(section.start, color=GREY, linewidth=0.4)

@@ -5,7 +5,7 @@ import numpy as np
 from railcli.analysis.disturbance import BEGIN, LARGE_LENGTH, LATERAL, LATERAL_LENGTH, LIMIT_HZ, SPEED, STEPS
 
 from .figures import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, draw
-from .text import columns
+from .text import columns, speed
 
 FIGURES = ("disturbance", "disturbance-lift", "disturbance-lateral")
 WHEELSETS = (BLUE, VERMILION, GREEN, ORANGE)
@@ -14,7 +14,7 @@ WHEELSETS = (BLUE, VERMILION, GREEN, ORANGE)
 def sections(result):
     """Titles and lines of the report."""
     return [
-        (f"Small vertical disturbances at {SPEED:g} m/s against the linear vertical model, up to {LIMIT_HZ:g} Hz",
+        (f"Small vertical disturbances at {speed(SPEED)} against the linear vertical model, up to {LIMIT_HZ:g} Hz",
          _small(result)),
         ("Frequency response to waves of both rails, per metre of height", _waves(result.waves)),
         (f"Bumps of {LARGE_LENGTH:g} m beyond the linear range, W1 right (described, not judged)", _large(result)),

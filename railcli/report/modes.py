@@ -10,7 +10,7 @@ from railcli.files.output import cell
 
 from . import mode_pictures
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
-from .text import columns, conditions, conditions_json, facts
+from .text import columns, conditions, conditions_json, facts, speed
 
 HIGH = 50.0  # frequencies beyond are printed when asked for only [Hz]
 DEAD = 0.95  # damping ratios beyond likewise
@@ -62,7 +62,7 @@ def report(scenario, lines, modes, change, shapes, everything):
     linear = modes.linear
     worst = np.abs(change / modes.value).max()
     spins = int(linear.system.model.body["spins"].sum())
-    text = [f"{scenario.name}: {scenario.vehicle.name} at {linear.speed:g} m/s on straight level track"]
+    text = [f"{scenario.name}: {scenario.vehicle.name} at {speed(linear.speed)} on straight level track"]
     text += facts(
         [
             *conditions(scenario),
@@ -240,7 +240,7 @@ def _plane(figure, scenario, modes, shapes):
     axis.set_ylim(low, top)
     axis.set_xlabel("real part [1/s]; left of 0: decays")
     axis.set_ylabel("frequency [Hz]")
-    axis.set_title(f"{scenario.name}: eigenvalues at {modes.linear.speed:g} m/s; dotted: equal damping ratio")
+    axis.set_title(f"{scenario.name}: eigenvalues at {speed(modes.linear.speed)}; dotted: equal damping ratio")
     axis.legend(loc="lower left")
     key = "\n".join(f"{k + 1:3d}  {modes.frequency[k]:6.2f} Hz  {shapes[k].words}" for k in shown)
     axis.annotate(key, (1.02, 1.0), xycoords="axes fraction", fontsize=7, va="top", family="monospace")

@@ -229,7 +229,7 @@ def track_strip(strip, axes, scenario, end):
     bends = [polyval(s - piece["start"], piece["curvature"]) for s, piece in zip(places, pieces, strict=True)]
     strip.fill_between(np.concatenate(places), 1e3 * np.concatenate(bends), color=GREY, alpha=0.5, linewidth=0.0)
     strip.set_ylabel("curvature\n[1/km]")
-    strip.set_title(f"{scenario.name}, {scenario.run.speed:g} m/s; positive: to the right")
+    strip.set_title(f"{scenario.name}, {speed(scenario.run.speed)}; positive: to the right")
     strip.set_xlim(0.0, end)
     strip.margins(y=0.15)
     start = 0.0

@@ -32,9 +32,9 @@ def sectioned(head, sections, last):
     return "\n".join([*lines, "", last])
 
 
-def speed(metres_per_second):
+def speed(metres_per_second, form="g"):
     """A speed in both units."""
-    return f"{metres_per_second:g} m/s ({3.6 * metres_per_second:.4g} km/h)"
+    return f"{metres_per_second:{form}} m/s ({3.6 * metres_per_second:.4g} km/h)"
 
 
 def conditions(scenario):
