@@ -90,7 +90,7 @@ def results_folder(command, name, output=None, overwrite=False, reads=()):
     else:
         folder = Path(output)
         for place in map(Path, reads):
-            if folder.exists() and place.exists() and place.resolve().is_relative_to(folder.resolve()):
+            if place.exists() and folder.resolve() in (place.resolve(), place.resolve().parent):
                 raise InputError(folder, f"holds what this command reads ({place}); choose another place (-o/--output)")
         with refused(folder):
             _take_folder(folder, overwrite)
