@@ -5,12 +5,13 @@ import signal
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 PATIENCE = 5.0  # s: who asks again sooner disturbs the closing of files no more; later it ends at once
 _first = None  # signal that was heard, and when
 _swallowed = False
+_holding = False
 
 
 def listen():
@@ -19,6 +20,10 @@ def listen():
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _hear)
     sys.unraisablehook = _unraisable
+    heard_at, tells_at = os.pipe()
+    os.set_blocking(tells_at, False)
+    signal.set_wakeup_fd(tells_at, warn_on_full_buffer=False)
+    threading.Thread(target=_watch, args=(heard_at,), daemon=True).start()
 
 
 def deafen():
@@ -46,7 +51,9 @@ def sentence():
 @contextmanager
 def uninterrupted():
     """Hold the three back until the block is done."""
+    global _holding
     pressed = []
+    outer, _holding = _holding, True
     before = {}
     if threading.current_thread() is threading.main_thread():
         before = {number: signal.getsignal(number) for number in SIGNALS}
@@ -56,6 +63,7 @@ def uninterrupted():
     try:
         yield
     finally:
+        _holding = outer
         for number, handler in before.items():
             signal.signal(number, handler)
         if pressed:
@@ -72,13 +80,26 @@ def _hear(number, frame):
         os._exit(exit_code())
 
 
+def _watch(place):
+    """End the process when its main thread hears nothing for long, as within the compiler; there is nothing to keep."""
+    while number := os.read(place, 1)[0]:
+        if number in SIGNALS and signal.getsignal(number) is not signal.SIG_IGN:
+            time.sleep(PATIENCE)
+            while _holding:
+                time.sleep(0.1)
+            if _first is None:
+                with suppress(OSError, ValueError):
+                    os.write(2, b"Interrupted.\n" if number == signal.SIGINT else b"Stopped.\n")
+                os._exit(128 + number)
+
+
 def _unraisable(problem):
     """What was raised where nobody can catch it, such as in a call from C, is raised again; else as Python does."""
     global _swallowed
-    if isinstance(problem.exc_value, KeyboardInterrupt) and _first:
+    if issubclass(problem.exc_type, KeyboardInterrupt) and _first:
         import _thread
 
         _swallowed = True
-        _thread.interrupt_main(_first[0])
+        threading.Timer(0.01, _thread.interrupt_main, (_first[0],)).start()  # not within this very call
     else:
         sys.__unraisablehook__(problem)
