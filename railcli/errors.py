@@ -19,6 +19,10 @@ def _again(kind, text):
     return error
 
 
+class RailcliWarning(UserWarning):
+    """What raises a doubt about an input or a result; the command shows it in one line."""
+
+
 class InputError(RailcliError):
     """Something the user gave (file, option, output place) cannot be used.
 
@@ -50,7 +54,16 @@ def _one_line(text):
     if len(text) > LONGEST:
         half = LONGEST // 2
         text = f"{text[:half]} [...] {text[-half:]}"
-    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
+    return harmless(text, "")
+
+
+def harmless(text, kept="\n"):
+    """The text as a terminal may have it: what is no letter, such as the codes that move its cursor, as escapes.
+
+    Joiners of letters, which some scripts need, are letters.
+    """
+    kept += "\u200c\u200d"
+    return "".join(letter if letter.isprintable() or letter in kept else ascii(letter)[1:-1] for letter in text)
 
 
 class SimulationError(RailcliError):

@@ -25,7 +25,7 @@ WEIGHTS = {  # EN 12299: f3, f4 [Hz], Q2, step (f5 [Hz], Q3, f6 [Hz], Q4) or Non
 
 
 def lowest_rate(corner):
-    """Sampling rate below which a low-pass is not formed [Hz]: the corner needs room below half the rate."""
+    """Sampling rate below which a low-pass is not evaluated [Hz]: the corner needs room below half the rate."""
     return 2.5 * corner
 
 

@@ -1,9 +1,6 @@
 """Compile the kernels, or read them from the cache, before they are needed."""
 
 from dataclasses import replace
-from pathlib import Path
-
-import numba
 
 from railcli.kernels import jit, step
 
@@ -22,7 +19,9 @@ def warm(announce=None):
     announce : callable, optional
         Called with a sentence when this compiles, which takes some ten seconds once for each version of the kernels.
     """
-    if announce and not is_warm():
+    if announce and jit.numba.config.DISABLE_JIT:
+        announce("NUMBA_DISABLE_JIT is set: nothing is compiled, and all is a thousand times slower.")
+    elif announce and not is_warm():
         announce("Compiling the core (once for this version and machine, up to 30 s) ...")
     for entry in CORE:
         entry.compiled()
@@ -31,7 +30,7 @@ def warm(announce=None):
 
 def is_warm():
     """True when the compiled core is kept: `warm` only reads it."""
-    return all(_is_kept(f"step.{entry.__name__}") for entry in CORE)
+    return all(jit.is_kept(f"step.{entry.__name__}") for entry in CORE)
 
 
 def warm_tables(wheel, rail, settings, announce=None):
@@ -47,7 +46,7 @@ def warm_tables(wheel, rail, settings, announce=None):
     """
     from .certify_forces import certify_forces
 
-    if announce and not _is_kept(LAST_OF_TABLES):
+    if announce and not jit.is_kept(LAST_OF_TABLES):
         announce("Compiling the kernels of contact tables (once for this version and machine, up to 20 s) ...")
     tiny = replace(
         settings, y_range=1e-3, y_step=1e-3, roll_range=1e-3, roll_step=1e-3, yaw_range=1e-3, yaw_count=2, fineness=1.0
@@ -56,8 +55,3 @@ def warm_tables(wheel, rail, settings, announce=None):
     if not settings.stores_heights:
         certify(table, wheel, rail, poses=1)
     certify_forces(table, wheel, rail, poses=1)
-
-
-def _is_kept(name):
-    """True when compiled code of a function is kept for these sources."""
-    return any(Path(numba.config.CACHE_DIR).rglob(f"{name}-*.nbc"))

@@ -33,7 +33,7 @@ def assess(results, limits, check, no_figures, output_format, output, overwrite,
     from railcli.studies.assess import names_of
 
     bounds = load_limits(limits) if limits else None
-    with results_folder("assess", names_of(results)[0], output, overwrite) as folder:
+    with results_folder("assess", names_of(results)[0], output, overwrite, results) as folder:
         answer, failed = study(results, bounds, folder, not no_figures, Terminal(quiet))
     show(answer, output_format)
     if check and failed:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from .completion import RAILS, WHEELS
 from .options import format_option, output_option, overwrite_option, quiet_option
-from .terminal import Terminal
+from .terminal import Terminal, tell
 
 DEFAULT_WHEEL, DEFAULT_RAIL = "ORES1002", "UIC60"
 OF_A_GRID = "y_step", "roll_step", "yaw_count", "curvature_window"  # settings that a table of heights has no use for
@@ -23,8 +24,12 @@ def setting(option, default, unit, text, per_si=1.0, kind=float):
 
 
 @click.command("build-lut", short_help="Build or check a wheel-rail contact table.")
-@click.option("--wheel", metavar="NAME|FILE", help=f"Wheel profile: bundled or a file.  [default: {DEFAULT_WHEEL}]")
-@click.option("--rail", metavar="NAME|FILE", help=f"Rail profile: bundled or a file.  [default: {DEFAULT_RAIL}]")
+@click.option(
+    "--wheel", metavar="NAME|FILE", type=WHEELS, help=f"Wheel profile: bundled or a file.  [default: {DEFAULT_WHEEL}]"
+)
+@click.option(
+    "--rail", metavar="NAME|FILE", type=RAILS, help=f"Rail profile: bundled or a file.  [default: {DEFAULT_RAIL}]"
+)
 @setting("--inclination", "20", "N", "Rail inclination 1:N; 0: as in the profile.")
 @setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3)
 @setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3)
@@ -109,7 +114,6 @@ def build_lut(
       railcli build-lut --normal hertz -o hertz.h5
       railcli build-lut --check table.h5
     """
-    from railcli.files.output import json_text
     from railcli.report.figures import check_format
 
     settings = {key: value for key, value in given.items() if value is not None}
@@ -127,7 +131,7 @@ def build_lut(
         goal = (accuracy, largest * 1e6) if accuracy else None
         lines, facts = _build(settings, wheel, rail, method, goal, poses, seed, plot, output, overwrite, quiet)
         complaint = None
-    click.echo(json_text(facts) if output_format == "json" else "\n".join(lines))
+    tell(facts, lines, output_format)
     if complaint is not None:
         sys.stdout.flush()
         raise complaint

@@ -4,6 +4,7 @@ import click
 
 from .build_lut import setting
 from .options import results_options
+from .terminal import tell
 from .wheelset import wheelset_of, wheelset_options
 
 REACH_MM = 10.0  # lateral positions to both sides
@@ -66,7 +67,7 @@ def contact(roll, yaw, at, load, normal, picture, output_format, output, overwri
     """
     from railcli.analysis.conicity import conicity, rolling
     from railcli.analysis.patches import standing
-    from railcli.files.output import json_text, results_folder, write_json, write_text
+    from railcli.files.output import results_folder, write_json, write_text
     from railcli.files.progress import Progress
     from railcli.report import overview
     from railcli.report.conicity import functions_csv
@@ -107,4 +108,4 @@ def contact(roll, yaw, at, load, normal, picture, output_format, output, overwri
         write_text(folder / "patches.csv", overview.patches_csv(patches))
         overview.plot(head, found, *fine, patches, loading, folder / f"contact.{picture}")
     lines.append(f"Written to {folder}")
-    click.echo(json_text(record) if output_format == "json" else "\n".join(lines))
+    tell(record, lines, output_format)

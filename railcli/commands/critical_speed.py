@@ -5,8 +5,9 @@ from pathlib import Path
 
 import click
 
+from .completion import SCENARIOS
 from .conicity import amplitudes
-from .options import results_options
+from .options import Speed, results_options
 from .terminal import Terminal, show
 from .vehicle_contact import one_thread, scenario_of
 
@@ -30,15 +31,15 @@ def speed_span(text):
 
 
 @click.command("critical-speed", short_help="Critical speed and limit cycles of a vehicle.")
-@click.argument("scenario", required=False, metavar="[NAME|FILE]")
+@click.argument("scenario", required=False, metavar="[NAME|FILE]", type=SCENARIOS)
 @click.option(
     "--amplitude", default="0.5,1,2,3,4,5,6", show_default=True, metavar="MM",
     help="Of the linear part, as 1-6:0.5 or 2,3.",
 )  # fmt: skip
 @click.option("--speeds", default="10-150:5", show_default=True, metavar="M/S", help="Range of speeds and their step.")
 @click.option(
-    "--from", "start", type=click.FloatRange(SLOWEST, FASTEST), metavar="M/S",
-    help="Speed from which the ramp falls  [default: 10 % above the highest linear critical speed]",
+    "--from", "start", type=Speed(SLOWEST, FASTEST), metavar="M/S",
+    help="Speed from which the ramp falls, or as 288kmh  [default: 10 % above the highest linear critical speed]",
 )  # fmt: skip
 @click.option(
     "--resolution", type=click.FloatRange(0.05, 10.0), default=0.5, show_default=True, metavar="M/S",

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from .options import format_option, quiet_option
+from .terminal import tell
 
 
 def absolute_tolerances(given):
@@ -52,7 +53,6 @@ def diff(one, two, relative, absolute, patterns, common, show, output_format, qu
     from railcli.analysis.compare import ABSOLUTE, RELATIVE, Tolerances, compare_results
     from railcli.errors import CheckError
     from railcli.files.columns import columns_of
-    from railcli.files.output import json_text
     from railcli.files.progress import Progress
     from railcli.files.read_results import Results
     from railcli.report import diff as report
@@ -61,9 +61,6 @@ def diff(one, two, relative, absolute, patterns, common, show, output_format, qu
     with Results(one) as a, Results(two) as b:
         with Progress("Compare", 100, "%", quiet) as progress:
             found = compare_results(a, b, *columns_of([a, b], patterns), tolerances, common, progress.update)
-        if output_format == "json":
-            click.echo(json_text(report.as_json(a, b, found, tolerances)))
-        else:
-            click.echo("\n".join(report.text(a, b, found, tolerances, show)))
+        tell(report.as_json(a, b, found, tolerances), report.text(a, b, found, tolerances, show), output_format)
     if found.differs:
         raise CheckError(f"diff: {report.verdict(found)}")

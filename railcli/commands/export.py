@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from .options import format_option, output_option, overwrite_option, quiet_option
+from .terminal import tell
 
 CHOICES = ("csv", "parquet", "mat")
 
@@ -41,7 +42,7 @@ def export(results, to, patterns, filtered, only_list, output, overwrite, output
     """
     from railcli.files.columns import chosen_rows, columns
     from railcli.files.export import export as write
-    from railcli.files.output import json_text, output_file, results_folder
+    from railcli.files.output import output_file, results_folder
     from railcli.files.progress import Progress
     from railcli.files.read_results import Results
     from railcli.report.export import listing
@@ -56,7 +57,7 @@ def export(results, to, patterns, filtered, only_list, output, overwrite, output
             "columns": [{"name": one.name, "unit": one.units, "meaning": one.description} for one in chosen],
         }
         if only_list:
-            click.echo(json_text(record) if output_format == "json" else "\n".join(listing(run, chosen)))
+            tell(record, listing(run, chosen), output_format)
             return
 
         def fill(path):
@@ -72,4 +73,4 @@ def export(results, to, patterns, filtered, only_list, output, overwrite, output
                 path = fill(folder / f"{name}.{kind}")
     record |= {"file": path, "bytes": path.stat().st_size}
     summary = f"{run.rows:,} rows of {len(chosen)} columns, {record['bytes'] / 1e6:.1f} MB, written to {path}"
-    click.echo(json_text(record) if output_format == "json" else summary)
+    tell(record, [summary], output_format)

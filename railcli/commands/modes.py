@@ -2,7 +2,8 @@
 
 import click
 
-from .options import results_options
+from .completion import SCENARIOS
+from .options import Speed, results_options
 from .terminal import Terminal, show
 from .vehicle_contact import one_thread, scenario_of
 
@@ -11,8 +12,10 @@ LARGEST_AMPLITUDE = 15.0  # [mm]
 
 
 @click.command(short_help="Eigenmodes of a vehicle.")
-@click.argument("scenario", required=False, metavar="[NAME|FILE]")
-@click.option("--speed", type=float, metavar="M/S", help="Another speed  [default: the scenario's]")
+@click.argument("scenario", required=False, metavar="[NAME|FILE]", type=SCENARIOS)
+@click.option(
+    "--speed", type=Speed(), metavar="M/S", help="Another speed, in m/s or as 72kmh  [default: the scenario's]"
+)
 @click.option(
     "--amplitude",
     type=click.FloatRange(0.0, LARGEST_AMPLITUDE),

@@ -5,7 +5,11 @@ from pathlib import Path
 
 import click
 
+from railcli.errors import harmless
+
+from .completion import PROFILES
 from .options import format_option, output_option, overwrite_option
+from .terminal import tell
 
 LENGTHS = ("shift_y", "smooth", "resample", "tape_to_back")  # options in mm
 MIRROR = click.Choice(["auto", "yes", "no"])
@@ -83,7 +87,7 @@ def import_(file, output, overwrite, output_format, **given):
       railcli profile import rail.ban --smooth 4 -o rail.csv
     """
     from railcli.errors import InputError
-    from railcli.files.output import json_text, output_file, results_folder
+    from railcli.files.output import output_file, results_folder
     from railcli.files.profile_import import beside, import_profile, write
     from railcli.report.profile import summary, verdict
 
@@ -104,11 +108,11 @@ def import_(file, output, overwrite, output_format, **given):
             write(imported, settings, output, "\n".join(lines) + "\n")
     lines.append(f"Profile: {output}")
     lines.append(f"Report: {beside(output, 'json')}, {beside(output, 'txt')}")
-    click.echo(json_text({**account, "profile": output}) if output_format == "json" else "\n".join(lines))
+    tell({**account, "profile": output}, lines, output_format)
 
 
 @profile.command("show", short_help="Draw a profile, its slope and its curvature.")
-@click.argument("file", metavar="NAME|FILE")
+@click.argument("file", metavar="NAME|FILE", type=PROFILES)
 @shape_options
 @output_option("profile.png in a new folder in railcli-out")
 @overwrite_option
@@ -124,7 +128,7 @@ def show(file, output, overwrite, output_format, **given):
       railcli profile show UIC60
       railcli profile show wheel.whl --smooth 4 -o wheel.svg
     """
-    from railcli.files.output import json_text, output_file, results_folder
+    from railcli.files.output import output_file, results_folder
     from railcli.files.profile_import import open_profile
     from railcli.report import profile as report
     from railcli.report.figures import check_format
@@ -141,11 +145,11 @@ def show(file, output, overwrite, output_format, **given):
             output = folder / "profile.png"
             report.plot(found.profile, output, raw)
     lines = [*report.summary(found.account), f"Figure: {output}"]
-    click.echo(json_text({**found.account, "figure": output}) if output_format == "json" else "\n".join(lines))
+    tell({**found.account, "figure": output}, lines, output_format)
 
 
 @profile.command("check", short_help="Judge whether a profile is fit for a contact table.")
-@click.argument("file", metavar="NAME|FILE")
+@click.argument("file", metavar="NAME|FILE", type=PROFILES)
 @shape_options
 @format_option
 def check(file, output_format, **given):
@@ -176,7 +180,7 @@ def check(file, output_format, **given):
     if output_format == "json":
         click.echo(json_text(account))
     elif lines:
-        click.echo("\n".join(lines))
+        click.echo(harmless("\n".join(lines)))
     if reason:
         sys.stdout.flush()
         raise CheckError(f"not fit for a contact table: {reason}")

@@ -48,6 +48,6 @@ def report(
         raise click.BadParameter(f"{len(results)} results: at most {MOST} fit on a page", param_hint="'RESULTS'")
     bounds = load_limits(limits) if limits else None
     shown = Film(film or "page", frames, magnify, wheelset) if film or animate else None
-    place = partial(results_folder, "report", output=output, overwrite=overwrite)
+    place = partial(results_folder, "report", output=output, overwrite=overwrite, reads=results)
     answer = study(results, place, bounds, not no_assessment, picture, shown, Terminal(quiet))
     show(answer, output_format)

@@ -4,8 +4,9 @@ import click
 
 from railcli.errors import InputError
 
+from .completion import SCENARIOS
 from .options import results_options
-from .terminal import Terminal
+from .terminal import Terminal, tell
 
 FEWEST_CALLS = 1000  # so that p99.9 is a measured value
 MOST_CALLS = 10_000_000  # whose times fit into memory
@@ -13,7 +14,7 @@ STEPS = (1e-3, 2.0)  # shortest and longest [ms]
 
 
 @click.command("rt-bench", short_help="Time the model against a real-time budget.")
-@click.argument("scenario", required=False, metavar="[NAME|FILE]")
+@click.argument("scenario", required=False, metavar="[NAME|FILE]", type=SCENARIOS)
 @click.option("--step", type=float, metavar="MS", help="Time step.  [default: the scenario's, or chosen]")
 @click.option(
     "--budget",
@@ -62,7 +63,7 @@ def rt_bench(
       railcli rt-bench curve-300 --step 0.25 --duration 60
       railcli rt-bench --paced --realtime --format json
     """
-    from railcli.files.output import json_text, results_folder
+    from railcli.files.output import results_folder
     from railcli.files.scenario import DEFAULT_SCENARIO, load
     from railcli.report.timing import summary
     from railcli.runtime.timing import steps_per_call
@@ -83,7 +84,7 @@ def rt_bench(
         found, samples = _measure(scenario, budget * 1e-3, count, warm_up, spin if paced else None, realtime, quiet)
         found = {"folder": folder, **found}
         _write(found, samples, folder, figures)
-    click.echo(json_text(found) if output_format == "json" else "\n".join([*summary(found), f"Results: {folder}"]))
+    tell(found, [*summary(found), f"Results: {folder}"], output_format)
 
 
 def _check_range(option, value, fits, allowed):

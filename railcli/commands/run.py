@@ -2,8 +2,9 @@
 
 import click
 
-from .options import results_options
-from .terminal import Terminal, show
+from .completion import SCENARIOS
+from .options import Speed, results_options
+from .terminal import Terminal, show, tell
 
 DEFAULT_SCENARIO = "curve-1200-45"
 
@@ -14,9 +15,11 @@ def run():
 
 
 @run.command(short_help="Run a built-in or a TOML scenario.")
-@click.argument("scenario", required=False, metavar="[NAME|FILE]")
+@click.argument("scenario", required=False, metavar="[NAME|FILE]", type=SCENARIOS)
 @click.option("--list", "only_list", is_flag=True, help="List the built-in scenarios and stop.")
-@click.option("--speed", type=float, metavar="M/S", help="Another speed  [default: the scenario's]")
+@click.option(
+    "--speed", type=Speed(), metavar="M/S", help="Another speed, in m/s or as 72kmh  [default: the scenario's]"
+)
 @click.option("--friction", type=float, metavar="NUMBER", help="Another friction  [default: the scenario's]")
 @click.option("--step", type=float, metavar="MS", help="Another time step  [default: the scenario's, or chosen]")
 @click.option("--guest", type=click.Path(), metavar="FILE",
@@ -39,7 +42,7 @@ def scenario(
     Examples:
       railcli run scenario
       railcli run scenario curve-300 -o tight-curve
-      railcli run scenario my-curve.toml --speed 30
+      railcli run scenario my-curve.toml --speed 108kmh
       railcli run scenario my-brake.toml --guest my_protection.py
     """
     from railcli.files.scenario import builtin_scenarios, load
@@ -47,8 +50,7 @@ def scenario(
     if only_list:
         scenarios = builtin_scenarios()
         width = max(len(name) for name in scenarios)
-        for name, title in scenarios.items():
-            click.echo(f"{name.ljust(width)}  {title}")
+        tell(scenarios, [f"{name.ljust(width)}  {title}" for name, title in scenarios.items()], output_format)
         return
     from railcli.errors import SimulationError
     from railcli.files.changes import changed

@@ -2,6 +2,7 @@
 
 import click
 
+from railcli.errors import harmless
 from railcli.studies.voice import Voice
 
 
@@ -13,10 +14,10 @@ class Terminal(Voice):
 
     def announce(self, text):
         if not self._quiet:
-            click.echo(text, err=True)
+            click.echo(harmless(text), err=True)
 
     def warn(self, text):
-        click.echo(f"Warning: {text}", err=True)
+        click.echo(harmless(f"Warning: {text}"), err=True)
 
     def job(self, title, total, unit):
         from railcli.files.progress import Progress
@@ -26,6 +27,11 @@ class Terminal(Voice):
 
 def show(answer, output_format):
     """Print an Answer for a reader or for a machine."""
+    tell(answer.record, answer.lines, output_format)
+
+
+def tell(record, lines, output_format):
+    """Print a record for a machine, or lines for a reader."""
     from railcli.files.output import json_text
 
-    click.echo(json_text(answer.record) if output_format == "json" else "\n".join(answer.lines))
+    click.echo(json_text(record) if output_format == "json" else harmless("\n".join(lines)))

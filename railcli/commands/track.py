@@ -2,7 +2,9 @@
 
 import click
 
-from .options import format_option, output_option, overwrite_option
+from .completion import SCENARIOS
+from .options import Speed, format_option, output_option, overwrite_option
+from .terminal import tell
 from .track_import import import_
 from .track_irregularity import irregularity
 
@@ -13,9 +15,9 @@ def track():
 
 
 @track.command("show", short_help="Draw an alignment and judge it by EN 13803.")
-@click.argument("source", metavar="NAME|FILE")
-@click.option("--speed", type=click.FloatRange(0.0, 150.0, min_open=True), metavar="M/S",
-              help="Speed at which it is judged  [default: the scenario's]")  # fmt: skip
+@click.argument("source", metavar="NAME|FILE", type=SCENARIOS)
+@click.option("--speed", type=Speed(0.0, 150.0), metavar="M/S",
+              help="Speed at which it is judged, in m/s or as 72kmh  [default: the scenario's]")  # fmt: skip
 @output_option("track.png in a new folder in railcli-out")
 @overwrite_option
 @format_option
@@ -33,7 +35,7 @@ def show(source, speed, output, overwrite, output_format):
       railcli track show measured.csv --speed 30
     """
     from railcli.analysis.alignment import judge
-    from railcli.files.output import json_text, output_file, results_folder
+    from railcli.files.output import output_file, results_folder
     from railcli.files.scenario import load_alignment
     from railcli.report import track as report
     from railcli.report.figures import check_format
@@ -49,10 +51,8 @@ def show(source, speed, output, overwrite, output_format):
         with results_folder("track", case.name) as folder:
             output = folder / "track.png"
             report.plot(case.title, case, judged, speed, output)
-    if output_format == "json":
-        click.echo(json_text({**report.summary(case.title, case, judged, speed), "figure": output}))
-    else:
-        click.echo("\n".join([*report.report(case.title, case, judged, speed), f"Figure: {output}"]))
+    lines = [*report.report(case.title, case, judged, speed), f"Figure: {output}"]
+    tell({**report.summary(case.title, case, judged, speed), "figure": output}, lines, output_format)
 
 
 track.add_command(import_)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from .options import format_option, output_option, overwrite_option
+from .terminal import tell
 
 LONGEST_CHORD = 100.0  # [m]
 
@@ -37,7 +38,7 @@ def import_(files, chord, bridge, gauge, cross_level, output, overwrite, output_
       railcli track import versines.csv --chord 20 -o line
     """
     from railcli.files.irregularity import Asked
-    from railcli.files.output import json_text, results_folder, write_json, write_text
+    from railcli.files.output import results_folder, write_json, write_text
     from railcli.files.track_import import import_track, write
     from railcli.report import track_import as report
 
@@ -49,12 +50,9 @@ def import_(files, chord, bridge, gauge, cross_level, output, overwrite, output_
         written = write(imported, folder)
         write_json(folder / "import.json", imported.account)
         write_text(folder / "import.txt", "\n".join(text) + "\n")
-    if output_format == "json":
-        click.echo(json_text({**imported.account, "written": written}))
-    else:
-        names = ", ".join(path.name for path in written)
-        click.echo("\n".join([*text, "", *report.for_scenario(imported), f"Written to {folder}: {names}, import.json, "
-                              "import.txt"]))  # fmt: skip
+    names = ", ".join(path.name for path in written)
+    last = f"Written to {folder}: {names}, import.json, import.txt"
+    tell({**imported.account, "written": written}, [*text, "", *report.for_scenario(imported), last], output_format)
 
 
 def _parts(text):

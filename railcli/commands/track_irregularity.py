@@ -2,13 +2,15 @@
 
 import click
 
+from .completion import SCENARIOS
 from .options import results_options
+from .terminal import tell
 
 DEFAULT_SPECTRUM = "b176-low"
 
 
 @click.command(short_help="Make, read and judge the irregularity of a track.")
-@click.argument("source", required=False, metavar="[NAME|FILE]")
+@click.argument("source", required=False, metavar="[NAME|FILE]", type=SCENARIOS)
 @click.option("--spectrum", metavar="NAME", help=f"Spectrum to realise or compare with  [default: {DEFAULT_SPECTRUM}]")
 @click.option("--list", "only_list", is_flag=True, help="List the spectra and stop.")
 @click.option("--length", type=float, default=2000.0, show_default=True, metavar="M", help="Length of a track made.")
@@ -40,7 +42,7 @@ def irregularity(
     from railcli.analysis.irregularity_spectrum import USUAL_SPACING, bands, made, of_scenario, spectra
     from railcli.errors import InputError
     from railcli.files import irregularity as files
-    from railcli.files.output import json_text, results_folder, write_json
+    from railcli.files.output import results_folder, write_json
     from railcli.files.scenario import load
     from railcli.model.irregularity import Spectrum
     from railcli.model.spectra import SPECTRA
@@ -49,8 +51,9 @@ def irregularity(
 
     if only_list:
         width = max(len(name) for name in SPECTRA)
-        for name, family in SPECTRA.items():
-            click.echo(f"{name.ljust(width)}  {family.summary}; {family.source}")
+        record = {name: {"summary": family.summary, "source": family.source} for name, family in SPECTRA.items()}
+        lines = [f"{name.ljust(width)}  {family.summary}; {family.source}" for name, family in SPECTRA.items()]
+        tell(record, lines, output_format)
         return
     choose(SPECTRA, "--spectrum", spectrum or DEFAULT_SPECTRUM)
     if not 0.0 < shortest < longest:
@@ -72,7 +75,4 @@ def irregularity(
         write_json(folder / "irregularity.json", result)
         if not no_figures:
             report.figures(record, spectra(record), folder)
-    if output_format == "json":
-        click.echo(json_text(result))
-    else:
-        click.echo("\n".join([*report.lines(record, rows, difference), f"Written to {folder}"]))
+    tell(result, [*report.lines(record, rows, difference), f"Written to {folder}"], output_format)

@@ -4,6 +4,9 @@ from pathlib import Path
 
 import click
 
+from railcli.errors import harmless
+
+from .completion import SCENARIOS, VEHICLES
 from .options import format_option, output_option, overwrite_option, quiet_option
 from .terminal import Terminal, show
 from .vehicle_contact import one_thread
@@ -15,7 +18,7 @@ def vehicle():
 
 
 @vehicle.command("show", short_help="Masses, axle loads, preloads, frequencies and a drawing.")
-@click.argument("name", metavar="NAME|FILE")
+@click.argument("name", metavar="NAME|FILE", type=VEHICLES)
 @click.option("--no-modes", is_flag=True, help="Find no suspension frequencies.")
 @output_option("vehicle.png in a new folder in railcli-out")
 @overwrite_option
@@ -51,7 +54,7 @@ def show_(name, no_modes, output, overwrite, quiet, output_format):
 
 
 @vehicle.command("copy", short_help="Copy the file of a built-in vehicle.")
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", type=VEHICLES)
 @click.argument("file", type=click.Path(path_type=Path))
 @overwrite_option
 def copy_vehicle(name, file, overwrite):
@@ -70,7 +73,7 @@ def scenario():
 
 
 @scenario.command("copy", short_help="Copy the file of a built-in scenario.")
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", type=SCENARIOS)
 @click.argument("file", type=click.Path(path_type=Path))
 @overwrite_option
 def copy_scenario(name, file, overwrite):
@@ -88,4 +91,4 @@ def _copy(kind, name, file, overwrite):
     from railcli.studies.vehicle import copied
 
     copied(kind, name, output_file(file, overwrite))
-    click.echo(f"Written: {file}")
+    click.echo(harmless(f"Written: {file}"))

@@ -3,6 +3,7 @@
 import click
 
 from .build_lut import DEFAULT_RAIL, DEFAULT_WHEEL, setting
+from .completion import RAILS, WHEELS
 
 
 def wheelset_options(command):
@@ -10,14 +11,21 @@ def wheelset_options(command):
     name = "NAME|FILE"
     for option in reversed(
         (
-            click.option("--wheel", default=DEFAULT_WHEEL, show_default=True, metavar=name, help="Wheel profile."),
             click.option(
-                "--rail", default=DEFAULT_RAIL, show_default=True, metavar=name, help="Rail profile."
+                "--wheel", default=DEFAULT_WHEEL, show_default=True, metavar=name, type=WHEELS, help="Wheel profile."
             ),
             click.option(
-                "--left-wheel", metavar=name, help="Left wheel, as a right-hand profile.  [default: as right]"
+                "--rail", default=DEFAULT_RAIL, show_default=True, metavar=name, type=RAILS, help="Rail profile."
             ),
-            click.option("--left-rail", metavar=name, help="Left rail, as a right-hand profile.  [default: as right]"),
+            click.option(
+                "--left-wheel",
+                metavar=name,
+                type=WHEELS,
+                help="Left wheel, as a right-hand profile.  [default: as right]",
+            ),
+            click.option(
+                "--left-rail", metavar=name, type=RAILS, help="Left rail, as a right-hand profile.  [default: as right]"
+            ),
             setting("--inclination", "20", "N", "Rail inclination 1:N; 0: as in the profile."),
             setting("--gauge", "1435", "MM", "Track gauge, 14 mm below the top of the inclined rails.", 1e3),
             setting("--flange-back", "1360", "MM", "Distance of the flange backs.", 1e3),

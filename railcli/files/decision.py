@@ -1,8 +1,10 @@
 """What a reader decided about a file, and how that is told."""
 
-import sys
+import warnings
 from pathlib import Path
 from typing import NamedTuple
+
+from railcli.errors import RailcliWarning
 
 WARNING = "warning"  # subject of a decision that is told wherever the file is read
 
@@ -16,8 +18,7 @@ class Decision(NamedTuple):
 
 
 def tell(path, decisions):
-    """Say on stderr, in one line for a file, what of the decisions a reader of results must know."""
+    """Warn, in one line for a file, of what a reader of results must know of the decisions."""
     told = [f"{one.choice}: {one.reason}" for one in decisions if one.subject == WARNING]
     if told:
-        line = f"Warning: {Path(path).name}: {'; '.join(told)}"
-        print("".join(letter if letter.isprintable() else "?" for letter in line), file=sys.stderr)
+        warnings.warn(f"{Path(path).name}: {'; '.join(told)}", RailcliWarning, stacklevel=2)

@@ -16,7 +16,7 @@ OF_INTERVAL = "of_interval"  # attribute of a dataset
 FELT = "what an accelerometer at the centre of mass shows, x, y, z of the track frame, gravity taken from z"
 CHUNK = 1000  # rows kept in memory, and in one chunk of the file
 FILTERED_CHUNK = 5000  # likewise of this group: ten seconds
-COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 PARTS = ("tread", "root", "flank", "tip")  # components of T_gamma
 assert len(PARTS) == len(Region)
 

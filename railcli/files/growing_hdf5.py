@@ -4,11 +4,14 @@ The HDF5 library cannot cope with a write that fails: it can no longer close its
 end (seen with h5py 3.16). So it writes through an object of ours into space that the file system has granted before.
 """
 
+import hashlib
 import os
-import signal
-import threading
 from contextlib import contextmanager, suppress
+from functools import partial
 
+from railcli.interruption import uninterrupted
+
+from . import seal
 from .output import whole_file
 
 ZEROS = bytes(1 << 20)
@@ -37,10 +40,21 @@ class Granted:
         while start < self._end + count:
             start += self._file.write(ZEROS[: self._end + count - start])
 
-    def close(self):
-        """Give back the room that was not used, and close; raises what failed unnoticed."""
+    def close(self, head=None):
+        """Give back the room that was not used, and close; raises what failed unnoticed.
+
+        head : callable, optional
+            Gives the head for the SHA-256 and the size of what HDF5 wrote behind it.
+        """
         try:
             self._file.truncate(self._end)
+            if head is not None:
+                self._file.seek(seal.HEAD_SIZE)
+                digest = hashlib.sha256()
+                while part := self._file.read(len(ZEROS)):
+                    digest.update(part)
+                self._file.seek(0)
+                self._file.write(head(digest.hexdigest(), self._end - seal.HEAD_SIZE))
         finally:
             self._file.close()
         if self.failure is not None:
@@ -89,21 +103,27 @@ class Granted:
 
 
 class GrowingHdf5:
-    """A new HDF5 file that appears under its name when it is closed.
+    """A new HDF5 file that appears under its name when it is closed, sealed (see `seal`).
+
+    Parameters
+    ----------
+    path : path-like
+    title : str
+        First line of its head.
 
     Attributes
     ----------
     file : h5py.File
     """
 
-    def __init__(self, path):
+    def __init__(self, path, title):
         import h5py
 
-        self._whole = whole_file(path)
+        self._whole, self._title = whole_file(path), title
         self._granted = Granted(self._whole.__enter__())
         with self._refusals():
             self._granted.grant(RESERVE)
-            self.file = h5py.File(self._granted, "w", rdcc_nbytes=CHUNK_CACHE)
+            self.file = h5py.File(self._granted, "w", rdcc_nbytes=CHUNK_CACHE, userblock_size=seal.HEAD_SIZE)
 
     @contextmanager
     def growing(self, count):
@@ -123,7 +143,7 @@ class GrowingHdf5:
         """Close the file and give it its name."""
         with uninterrupted(), self._refusals():
             self.file.close()
-            self._granted.close()
+            self._granted.close(partial(seal.head_of, self._title))
             self._whole.__exit__(None, None, None)
 
     def drop(self):
@@ -146,20 +166,3 @@ class GrowingHdf5:
 
 class _Dropped(Exception):
     pass
-
-
-@contextmanager
-def uninterrupted():
-    """Hold Ctrl-C back until the block is done."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield
-        return
-    pressed = []
-    signal.signal(signal.SIGINT, lambda *_: pressed.append(True))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if pressed:
-            before(signal.SIGINT, None)

@@ -17,10 +17,11 @@ from railcli.model.scenario import PROFILES, TABLES, digest_of
 from . import seal
 from .output import whole_hdf5
 from .profiles import BUNDLED, load_profile
+from .user_file import title_of
 
 SCENARIO, INPUTS = "scenario.json", "inputs.h5"
 TITLE = "railcli inputs of a run"
-COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True, "fletcher32": True}
 _AGAIN = "run the scenario again"
 
 
@@ -38,7 +39,7 @@ def save(scenario, path):
                 _put(group, key, getattr(profile, key), "rad" if key == "angle" else "m")
         for source in tracks:
             group = file.require_group(f"irregularity/{source.digest}")
-            group.attrs["file"] = source.file
+            group.attrs["file"] = title_of(source.file)
             for key, values in {"position": source.samples.position, **source.samples.channels}.items():
                 _put(group, key, values, "m")
 

@@ -72,7 +72,7 @@ class Recording(NamedTuple):
 
 
 def read(path):
-    """Samples of a file as `recording`; what must be known of it is said on stderr."""
+    """Samples of a file as `recording`; it warns of what must be known."""
     found = recording(path)
     tell(path, found.decisions)
     return found.samples

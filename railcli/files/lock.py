@@ -1,4 +1,4 @@
-"""One process at a time: a lock beside a file, which the system lets go when its process ends, however it ends."""
+"""One process at a time: locks that the system lets go when their process ends, however it ends."""
 
 import os
 from contextlib import contextmanager, suppress
@@ -7,6 +7,8 @@ try:
     import fcntl
 except ImportError:  # there is none on Windows, where no one waits and whole files keep the peace
     fcntl = None
+
+HELD, FREE, UNKNOWN = "held", "free", "unknown"
 
 
 @contextmanager
@@ -18,23 +20,86 @@ def alone(path, waiting=None):
     Parameters
     ----------
     path : pathlib.Path
-        Its folder exists. The lock is a file beside it, gone when no one holds it.
+        The lock is a file beside it, gone when no one holds it.
     waiting : callable, optional
         Called once when another one holds it.
     """
-    held = None if fcntl is None else _take(path.with_name(f".{path.name}.lock"), waiting)
+    place = path.with_name(f".{path.name}.lock")
+    descriptor = None if fcntl is None else _take(place, waiting)
     try:
         yield
     finally:
-        if held is not None:
-            place, descriptor = held
+        if descriptor is not None:
             with suppress(OSError):
                 place.unlink()  # while it is held: who waits for it sees that it is gone, and takes another
             os.close(descriptor)
 
 
+@contextmanager
+def busy(path):
+    """Hold the lock of a file that exists, as long as it is written; gives False when another one holds it."""
+    descriptor, free = None, True
+    if fcntl is not None:
+        with suppress(OSError):
+            descriptor = os.open(path, os.O_RDWR)
+    if descriptor is not None:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            free = False
+        except OSError:
+            pass
+    try:
+        yield free
+    finally:
+        if descriptor is not None:
+            os.close(descriptor)
+
+
+def new(path):
+    """Make an empty file and hold its lock; gives the descriptor to close when it is not written any more."""
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    if fcntl is not None:
+        with suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+    return descriptor
+
+
+def delete_if_free(path):
+    """Delete a file whose lock nobody holds; it stays where there are no locks."""
+    if fcntl is None:
+        return
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_RDWR)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.unlink(path)  # while the lock is held: who made it meanwhile sees that it is gone
+        finally:
+            os.close(descriptor)
+
+
+def state(path):
+    """Whether a process holds the lock of a file: HELD, FREE, or UNKNOWN where there are no locks."""
+    if fcntl is None:
+        return UNKNOWN
+    try:
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError:
+        return UNKNOWN
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return HELD
+    except OSError:
+        return UNKNOWN
+    else:
+        return FREE
+    finally:
+        os.close(descriptor)
+
+
 def _take(place, waiting):
-    """The lock file and its descriptor; None where there are no locks."""
+    """Descriptor of the lock file; None where there are no locks."""
     while True:
         try:
             descriptor = os.open(place, os.O_RDWR | os.O_CREAT, 0o666)
@@ -49,7 +114,7 @@ def _take(place, waiting):
                     waiting = None
             fcntl.flock(descriptor, fcntl.LOCK_EX)
             if _same(place, descriptor):
-                return place, descriptor
+                return descriptor
         except OSError:
             os.close(descriptor)
             return None

@@ -1,25 +1,32 @@
 """Where results go, and how a file appears there: whole, under its name, or not at all.
 
-A results folder holds a small text file that lists what railcli wrote into it. That list is what `--overwrite`
-may replace; anything else in the folder belongs to the user and stays.
+A results folder holds a small text file that lists what railcli wrote into it, with checksums. That list is what
+`--overwrite` may replace; anything else in the folder, and what was changed since, belongs to the user and stays.
+A file that is being written has a name of its own, which no file of a user has, and a lock: what a killed process left
+behind is known by both.
 """
 
 import errno
+import hashlib
 import json
 import math
 import os
 import re
 import secrets
+import tempfile
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from railcli.errors import InputError
-from railcli.kernels.place import cache_root
+
+from . import lock
 
 DEFAULT_PARENT = "railcli-out"
 LIST = ".railcli"
 LIST_TITLE = "# Files that railcli wrote here; --overwrite may replace these and no others.\n"
 LONGEST_NAME = 80
+PART = ".railcli-part-"  # how the name of a file begins that is being written
+OF_A_PART = 40  # letters of the name to come, in it
 
 _ELSEWHERE = "choose another place (-o/--output, or RAILCLI_CACHE_DIR for the cache)"
 _FULL = f"the disk is full; free some space or {_ELSEWHERE}"
@@ -51,7 +58,7 @@ def refusal(path, error, kept=""):
 
 
 @contextmanager
-def results_folder(command, name, output=None, overwrite=False):
+def results_folder(command, name, output=None, overwrite=False, reads=()):
     """Folder for the results of one run; it is left only if a file was written into it.
 
     Parameters
@@ -63,6 +70,8 @@ def results_folder(command, name, output=None, overwrite=False):
     overwrite : bool
         Take a folder that exists if it is empty or a results folder. The files that railcli wrote into it are
         deleted now, those of the user stay.
+    reads : iterable of path-like
+        Results that the command reads: they are not to be overwritten by it.
 
     Yields
     ------
@@ -71,7 +80,8 @@ def results_folder(command, name, output=None, overwrite=False):
     Raises
     ------
     InputError
-        The folder exists, holds only files of others, or cannot be written.
+        The folder exists, holds only files of others or files that were changed since, is written by another
+        command, is what this one reads, or cannot be written.
     """
     if output is None:
         parent, title = Path(DEFAULT_PARENT), file_name(f"{command}-{name}")
@@ -79,25 +89,34 @@ def results_folder(command, name, output=None, overwrite=False):
             folder = _next_folder(parent, title)
     else:
         folder = Path(output)
+        for place in map(Path, reads):
+            if place.exists() and folder.resolve() in (place.resolve(), place.resolve().parent):
+                raise InputError(folder, f"holds what this command reads ({place}); choose another place (-o/--output)")
         with refused(folder):
             _take_folder(folder, overwrite)
     try:
         with refused(folder / LIST):
             if not (folder / LIST).exists():
                 (folder / LIST).write_text(LIST_TITLE, encoding="utf-8")
-        yield folder
+        with lock.busy(folder / LIST) as free:
+            if not free:
+                raise InputError(folder, "another railcli command writes there; wait for it or choose another place")
+            with refused(folder):
+                _delete_listed(folder)
+            yield folder
     finally:
         with suppress(OSError):
             _drop_if_unused(folder)
 
 
 def output_file(path, overwrite=False):
-    """Return `path` as a Path once it is clear that a file may be written there.
+    """Return `path` as a Path once it is clear that a file may be written there, before any work is done for it.
 
     Raises
     ------
     InputError
-        The file exists and `overwrite` is not set, or something that is not a file stands there.
+        The file exists and `overwrite` is not set, something that is not a file stands there, or the system lets no
+        file be made in its folder, or in the nearest one that exists.
     """
     path = Path(path)
     with refused(path):
@@ -107,6 +126,11 @@ def output_file(path, overwrite=False):
             raise InputError(path, "is a device, not a file; choose another place with -o/--output")
         if path.exists() and not overwrite:
             raise InputError(path, "exists already; choose another place with -o/--output or add --overwrite")
+        parent = next(folder for folder in path.parents if folder.exists())
+        try:
+            tempfile.TemporaryFile(dir=parent).close()
+        except OSError as error:
+            raise refusal(path, error) from error
     return path
 
 
@@ -127,19 +151,44 @@ def whole_file(path):
         An empty file with the same ending, to be filled (and closed) by the block.
     """
     path = output_file(path, overwrite=True)
-    temporary = path.with_name(f".{path.stem[:LONGEST_NAME]}-{secrets.token_hex(4)}{path.suffix}")
+    temporary = descriptor = None
     try:
-        with refused(path, temporary):
+        with refused(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            temporary.touch(exist_ok=False)
+            forget_parts(path.parent)
+            while temporary is None:
+                temporary = path.with_name(f"{PART}{secrets.token_hex(4)}-{path.stem[:OF_A_PART]}{path.suffix}")
+                descriptor = lock.new(temporary)
+                if not temporary.exists():  # another process took it for a leftover
+                    os.close(descriptor)
+                    temporary = descriptor = None
+        with refused(path):
             yield temporary
             with open(temporary, "r+b") as file:
                 os.fsync(file.fileno())
-            _enlist(path)
+                digest = hashlib.file_digest(file, "sha256").hexdigest() if _list_above(path) else ""
+            _enlist(path, digest)
             os.replace(temporary, path)
     finally:
-        with suppress(OSError):
+        with suppress(OSError, AttributeError):
             temporary.unlink()
+        if descriptor is not None:
+            os.close(descriptor)
+
+
+def parts(folder, name=""):
+    """Files in a folder that are being written, or were when a process was killed; those that were to get a name."""
+    end = f"-{Path(name).stem[:OF_A_PART]}{Path(name).suffix}" if name else ""
+    with suppress(OSError):
+        return [Path(folder, each) for each in os.listdir(folder) if each.startswith(PART) and each.endswith(end)]
+    return []
+
+
+def forget_parts(folder, spare=True):
+    """Delete what killed processes left in a folder; time series, which can be read, only when asked to."""
+    for path in parts(folder):
+        if not (spare and path.name.endswith("-timeseries.h5")):
+            lock.delete_if_free(path)
 
 
 @contextmanager
@@ -173,9 +222,9 @@ def whole_hdf5(path, head=None):
 
 
 def write_text(path, text):
-    """Write a whole UTF-8 text file with Unix line ends."""
+    """Write a whole UTF-8 text file with Unix line ends; bytes of a file's name that are no text become escapes."""
     with whole_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+        temporary.write_text(text, encoding="utf-8", newline="\n", errors="backslashreplace")
 
 
 def write_json(path, value):
@@ -185,24 +234,15 @@ def write_json(path, value):
 
 def json_text(value):
     """Return strict JSON: NumPy scalars and arrays as numbers and lists, NaN and infinity as null, paths as text."""
-    return json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    return "".join(letter if letter.isprintable() or letter == "\n" else json.dumps(letter)[1:-1] for letter in text)
 
 
-def cache_folder(kind):
-    """Folder in the user's cache, made if missing.
-
-    ``RAILCLI_CACHE_DIR`` names the cache; else it lies where the platform keeps caches (``XDG_CACHE_HOME``,
-    ``LOCALAPPDATA``, ``~/Library/Caches``).
-
-    Parameters
-    ----------
-    kind : str
-        Name of the sub-folder, such as ``tables``.
-    """
-    folder = cache_root() / kind
-    with refused(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    return folder
+def cell(text):
+    """A user's words as a cell of a CSV file: quoted where it is needed, and no formula to a spreadsheet."""
+    text = "".join(letter if letter.isprintable() else " " for letter in text)
+    text = f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
+    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',;"') else text
 
 
 def file_name(text):
@@ -217,7 +257,8 @@ def refused(*paths):
         yield
     except OSError as error:
         ours = {str(place) for path in paths for place in (path, *path.parents)}
-        if error.filename is None and is_refusal(error) or str(error.filename) in ours:
+        named = str(error.filename)
+        if error.filename is None and is_refusal(error) or named in ours or os.path.basename(named).startswith(PART):
             raise refusal(paths[0], error) from error
         raise
 
@@ -243,35 +284,58 @@ def _take_folder(folder, overwrite):
         raise InputError(folder, "is a file; -o/--output names a folder here")
     elif not overwrite:
         raise InputError(folder, "exists already; choose another place with -o/--output or add --overwrite")
-    elif (folder / LIST).is_file():
-        _delete_listed(folder)
-    elif any(folder.iterdir()):
+    elif not (folder / LIST).is_file() and any(folder.iterdir()):
         raise InputError(folder, "holds files that railcli did not write, --overwrite spares them; give a new folder")
 
 
+def is_changed(path):
+    """True when a file is not what railcli wrote, by the list of its folder; False when it is, or no list tells."""
+    path = Path(path)
+    folder = _list_above(path)
+    digest = folder and _listed(folder).get(path.relative_to(folder).as_posix())
+    return bool(digest) and _digest(path) != digest
+
+
+def _digest(path):
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
 def _listed(folder):
-    lines = (folder / LIST).read_text(encoding="utf-8", errors="replace").splitlines()
-    return {line for line in lines if line and not line.startswith("#")}
+    """Names of files in the list of a folder, and the SHA-256 of each; empty where an earlier version wrote none."""
+    lines = (folder / LIST).read_text(encoding="utf-8", errors="surrogateescape").splitlines()
+    found = (re.fullmatch(r"(?:([0-9a-f]{64})  )?(.+)", line) for line in lines if not line.startswith("#"))
+    return {match[2]: match[1] or "" for match in found if match}
 
 
 def _delete_listed(folder):
-    """Delete what the list names, and only inside the folder, whatever the list says."""
+    """Delete what the list names, if nothing was changed since, and only inside the folder, whatever the list says."""
     home = folder.resolve()
-    for name in _listed(folder):
-        path = folder / name
-        if path.parent.resolve().is_relative_to(home) and path.is_file():
-            path.unlink()
+    listed = {folder / name: digest for name, digest in _listed(folder).items()}
+    inside = {path: digest for path, digest in listed.items() if path.parent.resolve().is_relative_to(home)}
+    inside = {path: digest for path, digest in inside.items() if path.is_file()}
+    for path, digest in inside.items():
+        if digest and _digest(path) != digest:
+            raise InputError(
+                path, "was changed since railcli wrote it, --overwrite spares it; move it away or give a new folder"
+            )
+    for path in inside:
+        path.unlink()
+    forget_parts(folder, spare=False)
     (folder / LIST).write_text(LIST_TITLE, encoding="utf-8")
 
 
-def _enlist(path):
-    for folder in path.parents:
-        if (folder / LIST).is_file():
-            name = path.relative_to(folder).as_posix()
-            if name not in _listed(folder):
-                with open(folder / LIST, "a", encoding="utf-8") as file:
-                    file.write(name + "\n")
-            return
+def _list_above(path):
+    """The results folder that a file lies in; None without one."""
+    return next((folder for folder in path.parents if (folder / LIST).is_file()), None)
+
+
+def _enlist(path, digest):
+    if folder := _list_above(path):
+        name = path.relative_to(folder).as_posix()
+        if _listed(folder).get(name) != digest:
+            with open(folder / LIST, "a", encoding="utf-8", errors="surrogateescape") as file:
+                file.write(f"{digest}  {name}\n")
 
 
 def _drop_if_unused(folder):

@@ -30,7 +30,7 @@ from .profiles import (
     stated_inclination,
     stated_tape,
 )  # fmt: skip
-from .user_file import read_bytes
+from .user_file import read_bytes, title_of
 
 ROUGH_CUTOFF = 4e-3  # what is shorter counts as roughness [m]
 ROUGH = 5e-6  # rms from which smoothing is advised [m]
@@ -134,13 +134,13 @@ def convert(measured, settings):
     stands = _stands(path, kind.choice, settings)
     decisions += [stands] if stands else []
     curation = Curation(path, kind.choice, y, aligned.z, aligned.lines).run()
-    raw = Profile.from_points(path.stem, kind.choice, curation.y, curation.z, tape_to_back=tape)
+    raw = Profile.from_points(title_of(path), kind.choice, curation.y, curation.z, tape_to_back=tape)
     raw = raw.translated(*_to_origin(path, raw))
     _as_source(measured, raw, curation.lines)
     corners = curation.kinks()
     profile, smoothing, resampling = raw, None, None
     if settings.smooth:
-        profile = smooth(path.stem, kind.choice, raw.y, raw.z, settings.smooth, corners)
+        profile = smooth(title_of(path), kind.choice, raw.y, raw.z, settings.smooth, corners)
         smoothing = {
             "cutoff_mm": settings.smooth * 1e3,
             "largest_change": change(raw, profile),

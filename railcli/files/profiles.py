@@ -10,29 +10,25 @@ one before it exactly is passed over.
 """
 
 import difflib
+import logging
 import math
 import os
 import re
 import shlex
-import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
 
-from railcli.errors import InputError
-from railcli.files.resources import resource
+from railcli.errors import InputError, RailcliWarning
+from railcli.files.resources import BUNDLED, resource
 from railcli.model.polyline import meeting as _meeting
 from railcli.model.polyline import turns
 from railcli.model.profile import TAPE_LIMITS, Profile
 
 from .text_table import LARGEST_NUMBER, content, shown, split_of
-from .user_file import plain_text
+from .user_file import plain_text, title_of
 
-BUNDLED = {
-    "UIC60": ("rail", "profiles/UIC60/UIC60.csv"),
-    "60E1": ("rail", "profiles/UIC60/60E1.csv"),
-    "ORES1002": ("wheel", "profiles/ORES1002/ORES1002.csv"),
-}
 LARGEST_FILE_MB = 10
 FEWEST_POINTS, MOST_POINTS = 10, 20_000
 MOST_LINES = 100_000
@@ -57,7 +53,8 @@ _INCLINATION = re.compile(r"[#!%]\s*inclination\s*:\s*(.*?)\s*", re.IGNORECASE)
 def load_profile(name_or_path, kind):
     """The profile of a bundled name (upper or lower case) or of a file, checked.
 
-    A file of a measuring device or of another program is imported with default decisions, and that is said on stderr.
+    A file of a measuring device or of another program is imported with default decisions; that is told
+    to the logger `railcli`, which the command shows on stderr.
 
     Parameters
     ----------
@@ -81,7 +78,7 @@ def load_profile(name_or_path, kind):
 
 def canonical(path, kind):
     """The profile of a file in the canonical form; errors as `load_profile`."""
-    return _read(Path(path), Path(path).stem, kind)
+    return _read(Path(path), title_of(path), kind)
 
 
 def _of_file(path, kind):
@@ -91,7 +88,7 @@ def _of_file(path, kind):
     text = _text(path, kind)
     if profile_import.is_foreign(path, text):
         imported = profile_import.import_profile(path, profile_import.ImportSettings(kind=kind))
-        print(profile_import.told(imported.account), file=sys.stderr)
+        logging.getLogger("railcli").info(profile_import.told(imported.account))
         return imported.profile
     try:
         return canonical(path, kind)
@@ -112,7 +109,7 @@ def settings_on(rails, settings, asked=None):
     """Settings for rails, whose inclination is 0 where all of them include it.
 
     A rail whose head leans by itself and is inclined besides, though its file does not say that it is upright, is told
-    in one line on stderr.
+    by a warning.
 
     Parameters
     ----------
@@ -128,12 +125,13 @@ def settings_on(rails, settings, asked=None):
     for rail in dict.fromkeys(rails):
         if settings.inclination and rail.inclined is None and rail.lean > LEAN:
             given = math.degrees(math.atan(1.0 / settings.inclination))
-            print(
-                f"Warning: rail {rail.name}: its head leans by {math.degrees(rail.lean):.2f} degrees to the gauge side "
+            warnings.warn(
+                f"rail {rail.name}: its head leans by {math.degrees(rail.lean):.2f} degrees to the gauge side "
                 f"in the file and is inclined by 1:{settings.inclination:g} ({given:.2f} degrees) besides; if it "
                 "includes its inclination, write '# inclination: included' into the file or give inclination 0, else "
                 "'# inclination: upright'",
-                file=sys.stderr,
+                RailcliWarning,
+                stacklevel=2,
             )
     return settings.on(*rails)
 

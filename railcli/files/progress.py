@@ -4,6 +4,8 @@ import os
 import sys
 import time
 
+from railcli.errors import harmless
+
 BAR_WIDTH = 30
 
 
@@ -82,7 +84,7 @@ class _Lines:
         self._title = title
 
     def show(self, share, text):
-        print(f"{self._title}: {share:.0%}, {text}", file=sys.stderr, flush=True)
+        print(harmless(f"{self._title}: {share:.0%}, {text}"), file=sys.stderr, flush=True)
 
     def shows_end(self, elapsed):
         return elapsed >= self.interval
@@ -109,11 +111,11 @@ class _Bar:
             auto_refresh=False,
             redirect_stdout=False,
         )
-        self._task = self._bar.add_task(title, total=1.0, text="")
+        self._task = self._bar.add_task(harmless(title, ""), total=1.0, text="")
         self._bar.start()
 
     def show(self, share, text):
-        self._bar.update(self._task, completed=share, text=text, refresh=True)
+        self._bar.update(self._task, completed=share, text=harmless(text, ""), refresh=True)
 
     def shows_end(self, elapsed):
         return True

@@ -14,18 +14,20 @@ from pydantic import ValidationError
 from railcli.errors import InputError
 from railcli.model.scenario import Scenario
 
+from . import lock, seal
 from .filtered_series import CHUNK, FILTERED, OF_INTERVAL, PARTS
 from .growing_hdf5 import CHUNK_CACHE
 from .inputs import SCENARIO, restore
+from .output import is_changed, parts
 from .results import FORMAT, FORMAT_VERSION, TIME_SERIES
-from .seal import check_size
-from .user_file import read_bytes, regular
+from .user_file import read_bytes, regular, unreadable
 
 SUMMARY = "summary.json"
 LARGEST_MB = 64  # of scenario and summary
 PIECE = 10 * CHUNK  # rows that `pieces` gives at once
 COMPONENTS = {"position": ("s", "y", "z"), "rotation": ("roll", "pitch", "yaw"), "T_gamma": PARTS}
-READABLE = (1, FORMAT_VERSION)  # rows of version 1 are instants throughout, and nothing is low-passed
+READABLE = (1, 2, FORMAT_VERSION)  # rows of version 1 are instants throughout; 2 was not sealed
+HDF5 = b"\x89HDF\r\n\x1a\n"  # how a file without a head begins
 AXES = ("x", "y", "z")
 _ASK_AGAIN = "run the scenario again"
 
@@ -79,7 +81,7 @@ class Rows:
                 found[name] = Channel(name, *about, components_of(item.name, item.shape), of_interval)
                 if item.shape[0] != self.rows:
                     raise KeyError(name)
-                check_size(item)
+                seal.check_size(item)
 
         group.visititems(visit)
         rest = sorted(found, key=lambda name: name.split("/")[0] not in ("time", "traction"))
@@ -162,6 +164,7 @@ class Results(Rows):
         path = Path(path)
         self.folder = path.parent if path.suffix == ".h5" else path
         self._path = path if path.suffix == ".h5" else path / TIME_SERIES
+        self._left = not self._path.exists() and self._find_left()
         self._file = self._open()
         try:
             self._read_head()
@@ -207,12 +210,23 @@ class Results(Rows):
     @property
     def fault(self):
         """What broke the run off; empty when it reached its end."""
+        if self._left:
+            return "it was killed; these are the rows that it had written until then"
         return self.summary.get("fault", "") if self.summary else "it was interrupted before its summary was written"
 
     @property
     def provenance(self):
         """Versions, digests, machine and date, as the summary records them; empty without a summary."""
         return self.summary.get("provenance", {})
+
+    def _find_left(self):
+        """Take the time series that a killed run left behind, if there are any."""
+        found = parts(self.folder, TIME_SERIES)
+        if any(lock.state(path) == lock.HELD for path in found):
+            raise InputError(self.folder, "its run goes on; wait until it has ended, or end it with Ctrl-C")
+        if found:
+            self._path = max(found, key=lambda path: path.stat().st_mtime)
+        return bool(found)
 
     def _open(self):
         import h5py
@@ -221,6 +235,8 @@ class Results(Rows):
             what = "no such folder" if not self.folder.exists() else f"no results of a run: no {self._path.name} there"
             raise InputError(self.folder, f"{what}; `railcli run scenario -o FOLDER` writes one")
         regular(self._path, "a file of time series")
+        if not (self._left or self._starts_as_hdf5()):
+            seal.check(self._path, FORMAT, "a file of time series", _ASK_AGAIN, "there is no such file")
         try:
             try:
                 return h5py.File(self._path, "r", locking=False, rdcc_nbytes=CHUNK_CACHE)
@@ -232,12 +248,21 @@ class Results(Rows):
             reason = error.strerror or "it is not HDF5, or cut off"
             raise InputError(self._path, f"cannot be read: {reason}; {_ASK_AGAIN}") from None
 
+    def _starts_as_hdf5(self):
+        try:
+            with open(self._path, "rb") as file:
+                return file.read(len(HDF5)) == HDF5
+        except OSError as error:
+            raise unreadable(self._path, error) from error
+
     def _read_head(self):
         head = self._file.attrs
         if head.get("format") != FORMAT:
             raise InputError(self._path, "is an HDF5 file, but not of time series that railcli wrote")
         if (version := head.get("version")) not in READABLE:
             raise InputError(self._path, f"has format version {version}, not {FORMAT_VERSION}; {_ASK_AGAIN}")
+        if version == FORMAT_VERSION and not self._file.userblock_size:
+            raise InputError(self._path, f"is damaged: its head is gone; {_ASK_AGAIN}")
         try:
             self.bodies, self.wheelsets, self.wheels = (
                 tuple(str(name) for name in head[key]) for key in ("bodies", "wheelsets", "wheels")
@@ -272,6 +297,8 @@ def components_of(name, shape):
 def read_json(path):
     """Table of a JSON file that railcli wrote."""
     data = read_bytes(path, "a file of a results folder", LARGEST_MB, f"is missing; {_ASK_AGAIN}")
+    if is_changed(path):
+        raise InputError(path, f"is damaged, or was changed by hand: its checksum does not fit; {_ASK_AGAIN}")
     try:
         value = json.loads(data.decode("utf-8"))
     except (ValueError, RecursionError) as error:

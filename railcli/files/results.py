@@ -5,6 +5,7 @@ extremes of these steps. Below FILTERED is what every step gave, low-passed, at 
 Track axes: x forward, y to the right, z down; angles turn right-handed about them. Forces of a wheel act on its rail.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -19,14 +20,14 @@ from railcli.kernels.recording import averaged, new_rows
 
 from .filtered_series import CHUNK, FELT, FilteredSeries, grown, wheel_group
 from .growing_hdf5 import GrowingHdf5
-from .output import file_name, is_refusal, refusal, refused, whole_file
+from .output import cell, is_refusal, refusal, refused, whole_file
 
 TIME_SERIES = "timeseries.h5"
 MAIN_CHANNELS = "main.csv"
 PIECE, ENVELOPE = 20_000, 8000  # rows of a long run read at a time; rows of it that a picture needs
 NOTHING = "none"  # in the place of globs
 FORMAT = "railcli time series"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3  # sealed; 2 was not
 
 BODY_CHANNELS = {  # name: how to read it from the rows of body i, units, description
     "position": (lambda rows, i: rows.q[:, i, :3], "m", "arc length s, lateral y, vertical z in the track frame at s"),
@@ -151,7 +152,7 @@ class TimeSeries:
         self.time = 0.0
 
     def __enter__(self):
-        self._growing = GrowingHdf5(self._path)
+        self._growing = GrowingHdf5(self._path, FORMAT)
         try:
             with refused(self._path), self._growing.growing(0):
                 self._begin(self._growing.file)
@@ -434,7 +435,19 @@ def _columns(main):
     for w, name in enumerate(main.wheels):
         columns[f"{name}_Y_kN"] = 1e-3 * main.y_force[:, w]
         columns[f"{name}_Q_kN"] = 1e-3 * main.q_force[:, w]
-    for i, name in enumerate(main.sprung):
+    for i, name in enumerate(_distinct(main.sprung)):
         for axis, letter in enumerate("xyz"):
-            columns[f"{file_name(name)}_a{letter}_m_per_s2"] = main.acceleration[:, i, axis]
+            columns[cell(f"{name}_a{letter}_m_per_s2")] = main.acceleration[:, i, axis]
     return columns
+
+
+def _distinct(names):
+    """Names of bodies with underscores for spaces; a number where two become the same."""
+    found = []
+    for name in names:
+        word = once = re.sub(r"\s+", "_", name.strip())
+        number = 2
+        while word in found:
+            word, number = f"{once}_{number}", number + 1
+        found.append(word)
+    return found

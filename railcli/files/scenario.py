@@ -23,17 +23,10 @@ from . import irregularity, toml
 from .decision import tell
 from .output import file_name
 from .profiles import load_profile
-from .resources import resource
+from .resources import VEHICLES, resource, scenario_files
 from .tables import identity
 from .track_table import read_alignment
 
-CASES = ("benchmarks/manchester/cases", "benchmarks/braking/cases", "vehicles/y25/cases", "vehicles/locomotive/cases")
-VEHICLES = {
-    "manchester": "benchmarks/manchester/vehicle.toml",
-    "y25-empty": "vehicles/y25/empty.toml",
-    "y25-laden": "vehicles/y25/laden.toml",
-    "locomotive": "vehicles/locomotive/vehicle.toml",
-}
 ASKED = ("kind", "file", "chord", "bridge", "cross_level")  # keys of a measured track that its reader must know
 DEFAULT_SCENARIO = "curve-1200-45"
 
@@ -46,11 +39,7 @@ def builtin_scenarios():
     dict of str to str
         In alphabetical order.
     """
-    return {name: toml.read(path).get("title", "") for name, path in sorted(_cases().items())}
-
-
-def _cases():
-    return {path.stem: path for folder in CASES for path in resource(folder).glob("*.toml")}
+    return {name: toml.read(path).get("title", "") for name, path in sorted(scenario_files().items())}
 
 
 def load(scenario=DEFAULT_SCENARIO):
@@ -72,7 +61,7 @@ def load(scenario=DEFAULT_SCENARIO):
         return built(table, Path(), table["name"])
     if _is_path(scenario):
         return _load_file(Path(scenario))
-    cases = _cases()
+    cases = scenario_files()
     if scenario not in cases:
         raise InputError(scenario, f"no built-in scenario and not a .toml file; {hint(str(scenario), cases)}")
     return _load_file(cases[scenario])
@@ -164,7 +153,7 @@ def load_vehicle(vehicle, folder=None):
 
 def builtin_text(kind, name):
     """The TOML file of a built-in vehicle or scenario, which kind says, as text."""
-    places = {one: resource(path) for one, path in VEHICLES.items()} if kind == "vehicle" else _cases()
+    places = {one: resource(path) for one, path in VEHICLES.items()} if kind == "vehicle" else scenario_files()
     if name not in places:
         raise InputError(name, f"no built-in {kind}; {hint(name, places)}")
     return places[name].read_text(encoding="utf-8")

@@ -14,11 +14,12 @@ from railcli import __version__
 from railcli.errors import InputError
 from railcli.kernels import jit
 from railcli.kernels.layout import NODE_CHANNELS, PARTS, ROW, Node, Part
+from railcli.kernels.place import cache_root
 from railcli.model.contact_table import ContactTable, TableSettings, table_key, version
 from railcli.model.heights import LEAST, knots_of, places
 
 from . import seal
-from .output import cache_folder, whole_hdf5
+from .output import whole_hdf5
 from .profiles import BUNDLED, load_profile
 from .user_file import regular
 
@@ -318,4 +319,4 @@ def profiles_of(table, path, wheel=None, rail=None):
 
 def cached_path(settings, wheel, rail, method="simplex"):
     """Where the cache keeps the table of these settings and profiles."""
-    return cache_folder(CACHE) / f"{table_key(settings, wheel.digest(), rail.digest(), method)[:32]}.h5"
+    return cache_root() / CACHE / f"{table_key(settings, wheel.digest(), rail.digest(), method)[:32]}.h5"

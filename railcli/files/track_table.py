@@ -29,7 +29,7 @@ ABSOLUTE_GAUGE = 0.5  # from which a gauge is absolute [m]
 
 
 def read_alignment(path, chord=None, gauge=NOMINAL_GAUGE):
-    """Section of track from a measured alignment table; what must be known of it is said on stderr."""
+    """Section of track from a measured alignment table; it warns of what must be known."""
     section, decisions = alignment(path, chord, gauge)
     tell(path, decisions)
     return section

@@ -89,6 +89,11 @@ def plain_text(path, what, most_mb, most_lines, absent="no such file", advice="g
         return data.decode("cp1252", errors="replace"), "Latin-1"
 
 
+def title_of(path):
+    """The name of a file without folder and ending, as words: of bytes that are no text signs stand for them."""
+    return os.fsencode(Path(path).stem).decode("utf-8", errors="replace")
+
+
 def is_there(path):
     """True if a name stands for something in the file system."""
     try:

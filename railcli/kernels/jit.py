@@ -1,52 +1,24 @@
-"""The only decorators of compiled code, and the folder in which the compiled code is kept.
-
-Numba keys a cached function by the contents of its own file only, so a change in a callee would go unnoticed
-(numba issue 1833). The cache folder is therefore named by a digest of all kernel sources.
-"""
-
-import hashlib
-import os
-import shutil
-from pathlib import Path
+"""The only decorators of compiled code; `kept` keeps what they compile."""
 
 import numba
 import numpy as np
 from numba import types
 
-from .place import cache_root
+from .kept import KeptCode, forget_old_code, is_kept, source_digest
 
-KEPT_DIGESTS = 3
-OPTIONS = {"cache": True, "_nrt": False, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
-
-
-def source_digest():
-    """Hex digest of every file in this package and of the compiler's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+__all__ = [
+    "Entry", "builder", "constant", "entry", "forget_old_code", "is_kept", "kernel", "mutable", "seldom",
+    "source_digest",
+]  # fmt: skip
+OPTIONS = {"_nrt": False, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 
 
-def _code_folder():
-    root = Path(os.environ.get("NUMBA_CACHE_DIR") or cache_root() / "code")
-    return root / f"railcli-{source_digest()}"
-
-
-def forget_old_code(keep=KEPT_DIGESTS):
-    """Delete the compiled code of all but the newest `keep` versions of the kernels."""
-    folders = sorted(_FOLDER.parent.glob("railcli-*"), key=lambda path: path.stat().st_mtime, reverse=True)
-    for path in folders[keep:]:
-        shutil.rmtree(path, ignore_errors=True)
-
-
-def is_cold():
-    """True when no compiled code is kept for these sources, so that the first call compiles."""
-    return not any(_FOLDER.rglob("*.nbc"))
-
-
-_FOLDER = _code_folder()
-numba.config.CACHE_DIR = str(_FOLDER)
+def _compiled(function, **options):
+    """The function behind numba's dispatcher, whose compiled code is kept; itself where numba is switched off."""
+    dispatcher = numba.njit(**{**OPTIONS, **options})(function)
+    if dispatcher is not function:
+        dispatcher._cache = KeptCode(function)
+    return dispatcher
 
 
 def kernel(function):
@@ -54,12 +26,12 @@ def kernel(function):
 
     A call that stays a call passes every array of Model and Data through memory.
     """
-    return numba.njit(forceinline=True, **OPTIONS)(function)
+    return _compiled(function, forceinline=True)
 
 
 def seldom(function):
     """As `kernel`, for a large function that few steps need: it stays a call."""
-    return numba.njit(**OPTIONS)(function)
+    return _compiled(function)
 
 
 def guest(function, signature):
@@ -76,7 +48,7 @@ def outward(function, signature):
 
 def builder(function):
     """As `kernel`, for a function outside the step, which may allocate."""
-    return numba.njit(**{**OPTIONS, "_nrt": True})(function)
+    return _compiled(function, _nrt=True)
 
 
 class Entry:
@@ -92,7 +64,11 @@ class Entry:
     def compiled(self):
         """The compiled function; compiles it or reads it from the cache when needed."""
         if self._compiled is None:
-            self._compiled = numba.njit([self.signature], **OPTIONS)(self.function)
+            compiled = _compiled(self.function)
+            if compiled is not self.function:
+                compiled.compile(self.signature)
+                compiled.disable_compile()
+            self._compiled = compiled
         return self._compiled
 
     def __call__(self, *arguments):

@@ -20,7 +20,7 @@ from railcli.files.output import whole_file
 from railcli.files.profiles import profile_of
 from railcli.model.system import table_settings
 
-from .figures import BLUE, GREEN, GREY, ORANGE, STYLE, VERMILION
+from .figures import BLUE, GREEN, GREY, ORANGE, STYLE, VERMILION, any_letter, fonts, words
 from .vehicle_shapes import chain, shapes
 from .wheelset import outlines
 
@@ -138,8 +138,9 @@ class Film:
         self.magnify = magnifications(self._shown) if magnify is None else (magnify, magnify)
         self._mountings = self._profiles(scenario)
         self._pace = (self._shown.time[-1] - self._shown.time[0]) / max(1, len(self) - 1) * RATE
-        with rc_context(STYLE):
+        with rc_context({**STYLE, "font.family": fonts()}), any_letter():
             self._build()
+            words(self.figure)
 
     def __len__(self):
         return self._shown.time.size

@@ -11,15 +11,15 @@ from railcli.model.assessment import FIGURES, GROUPS, NOT_CONSULTED
 
 from .figures import GREY, SERIES, VERMILION, draw
 from .run import track_strip
-from .text import columns, conditions, facts
+from .text import columns, conditions, facts, speed
 
 SHOWN = {"kN": 1e-3}  # factor from SI to the unit that a figure is shown in
 PANELS = (  # figure, label of the axis, both signs of the limit
     ("Y_Q", "Y/Q, larger of\nboth wheels", False),
     ("sum_Y", "sum Y [kN],\n2 m mean", True),
     ("Q_max", "Q [kN],\nboth wheels", False),
-    ("ay_max", "lateral acc.\n[m/s$^2$], 0.4-10 Hz", True),
-    ("az_max", "vertical acc.\n[m/s$^2$], 0.4-10 Hz", True),
+    ("ay_max", "lateral acc.\n[m/s²], 0.4-10 Hz", True),
+    ("az_max", "vertical acc.\n[m/s²], 0.4-10 Hz", True),
 )
 MANY = 60  # sections that are not drawn any more
 FAR = 0.2  # share of a limit below which the limit is told, not drawn
@@ -76,7 +76,7 @@ def head(name, scenario, assessment):
 
 def table(assessment):
     """Lines of all figures, group by group."""
-    header = ("", "", "value", "limit", "of it", "verdict")
+    header = ("", "", "value", "limit", "of limit", "verdict")
     rows = []
     for value in assessment.values:
         figure = FIGURES[value.key]
@@ -111,7 +111,7 @@ def wear_table(assessment):
 
 def verdict(assessment):
     """One line that counts."""
-    counts = [f"{assessment.count(status)} {status}" for status in ("pass", "warn", "fail", "not formed")]
+    counts = [f"{assessment.count(status)} {status}" for status in ("pass", "warn", "fail", "not evaluated")]
     broken = "the run broke off; " if assessment.fault else ""
     return f"{broken}{', '.join(counts)}; {assessment.count('no limit')} without a limit"
 
@@ -186,7 +186,9 @@ def as_json(assessment):
     return {
         "finished": not assessment.fault,
         "conditions": assessment.conditions,
-        "verdict": {status: assessment.count(status) for status in ("pass", "warn", "fail", "not formed", "no limit")},
+        "verdict": {
+            status: assessment.count(status) for status in ("pass", "warn", "fail", "not evaluated", "no limit")
+        },
         "figures": figures,
         "T_gamma_N": {
             wheel: {part: {"mean": mean, "largest_section": largest} for part, (mean, largest) in parts.items()}
@@ -267,7 +269,7 @@ def _draw(canvas, name, scenario, assessment, panels):
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     track_strip(strip, axes, scenario, assessment.conditions["to_m"])
     few = len(assessment.sections) <= MANY
-    strip.set_title(f"{name}, {scenario.run.speed:g} m/s; dashed: limits{', thin: sections' * few}")
+    strip.set_title(f"{name}, {speed(scenario.run.speed)}; dashed: limits{', thin: sections' * few}")
     for section in assessment.sections * few:
         for axis in axes:
             axis.axvline(section.start, color=GREY, linewidth=0.4)

@@ -213,7 +213,7 @@ def plot(title, contact, motions, path, rigid=None):
         wheelset.both_sides(axis, contact, "angle", np.degrees)
         axis = figure.add_subplot(grid[2, 1])
         name = "Slope difference of the contact planes, right less left"
-        wheelset.over_y(axis, contact, name, "$\\tan\\gamma_R - \\tan\\gamma_L$")
+        wheelset.over_y(axis, contact, name, "tan γ right − tan γ left")
         axis.plot(*wheelset.broken(contact, contact.angle_difference), color=BLUE)
 
     draw(paint, path, (12.0, 11.0))
@@ -242,7 +242,7 @@ def conicity_curves(axis, contact, amplitudes, curves):
         axis.axvspan(beyond[0], amplitude[-1], color=GREY, alpha=0.15, linewidth=0.0, label="beyond the flange")
     axis.set_title("Equivalent conicity")
     axis.set_xlabel("amplitude [mm]")
-    axis.set_ylabel("$\\tan\\gamma_e$")
+    axis.set_ylabel("tan γₑ")
     axis.set_xlim(amplitude[0], amplitude[-1])
     axis.set_ylim(0.0, min(SHOWN, 1.05 * top) if top > 0.0 else 1.0)
     axis.legend(loc="upper left")
@@ -329,7 +329,7 @@ def _against_tables(upper, lower, result, name):
     upper.plot(old.amplitude * 1e3, old.table, "x", color=GREEN, markersize=3, label="table, 2008")
     upper.set_title(f"{name}: equivalent conicity")
     upper.set_xlabel("amplitude [mm]")
-    upper.set_ylabel("$\\tan\\gamma_e$")
+    upper.set_ylabel("tan γₑ")
     upper.legend(loc="upper left")
     contact, table = result.contact[name], result.tables["2021", name]
     lower.plot(*wheelset.broken(contact, contact.radius_difference * 1e3), color=BLUE, label="railcli")
@@ -338,5 +338,5 @@ def _against_tables(upper, lower, result, name):
     lower.set_ylim(-0.3, 12.0)
     lower.set_title(f"{name}: rolling radius difference")
     lower.set_xlabel("lateral position y [mm]")
-    lower.set_ylabel("$\\Delta r$ [mm]")
+    lower.set_ylabel("Δr [mm]")
     lower.legend(loc="upper left")

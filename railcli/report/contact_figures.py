@@ -64,7 +64,7 @@ def _delta_r(axis, result):
     axis.set_yscale("symlog", linthresh=1.0)
     axis.set_yticks([0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0], ["0", "0.5", "1", "2", "5", "10", "20"])
     axis.set_ylim(-0.05, 30.0)
-    axis.set_title("$\\Delta r$ from the height on the wheel (linear to 1 mm)")
+    axis.set_title("Δr from the height on the wheel (linear to 1 mm)")
     axis.set_ylabel("[mm]")
 
 
@@ -86,7 +86,7 @@ def _forces(figure, result):
             axis.plot(y, share, "o", color="black", markersize=4.5, zorder=3, label="CONTACT")
             axis.axhline(0.0, color=GREY, linewidth=0.6)
             axis.set_title(f"{side.capitalize()} wheel, {name}")
-            axis.set_ylabel("creep force on the rail over $\\mu N$")
+            axis.set_ylabel("creep force on the rail over μN")
     for axis in axes[1]:
         axis.set_xlabel("lateral position y, yaw 2.4 mrad per mm [mm]")
     axes[0, 1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -111,5 +111,5 @@ def _creep(figure, result):
             axis.set_title(f"{title}, a : b = {a / b:g} : 1" if a > b else f"{title}, a : b = 1 : {b / a:g}")
             axis.set_xlim(-SHOWN_CREEPAGE if x[0] < 0.0 else -0.1, SHOWN_CREEPAGE)
             axis.set_xlabel("creepage [1e-3]")
-        axes[row, 0].set_ylabel("force over $\\mu N$")
+        axes[row, 0].set_ylabel("force over μN")
     axes[0, 0].legend(loc="upper right")

@@ -79,7 +79,8 @@ def verdict(found):
     if all(item.largest == 0.0 for item in found.differences):
         return "the same, every value bit for bit"
     largest = max(found.differences, key=lambda item: item.excess)
-    return f"the same within tolerance; nearest to it: {largest.name}, {_size(largest)}, {largest.excess:.2g} of it"
+    share = f"{largest.excess:.2g} of its tolerance"
+    return f"the same within tolerance; nearest to it: {largest.name}, {_size(largest)}, {share}"
 
 
 def as_json(one, two, found, tolerances):

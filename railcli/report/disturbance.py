@@ -5,7 +5,7 @@ import numpy as np
 from railcli.analysis.disturbance import BEGIN, LARGE_LENGTH, LATERAL, LATERAL_LENGTH, LIMIT_HZ, SPEED, STEPS
 
 from .figures import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, draw
-from .text import columns
+from .text import columns, speed
 
 FIGURES = ("disturbance", "disturbance-lift", "disturbance-lateral")
 WHEELSETS = (BLUE, VERMILION, GREEN, ORANGE)
@@ -14,7 +14,7 @@ WHEELSETS = (BLUE, VERMILION, GREEN, ORANGE)
 def sections(result):
     """Titles and lines of the report."""
     return [
-        (f"Small vertical disturbances at {SPEED:g} m/s against the linear vertical model, up to {LIMIT_HZ:g} Hz",
+        (f"Small vertical disturbances at {speed(SPEED)} against the linear vertical model, up to {LIMIT_HZ:g} Hz",
          _small(result)),
         ("Frequency response to waves of both rails, per metre of height", _waves(result.waves)),
         (f"Bumps of {LARGE_LENGTH:g} m beyond the linear range, W1 right (described, not judged)", _large(result)),
@@ -165,7 +165,7 @@ def _draw_small(figure, result):
     force.legend(title="thin: railcli, wide: linear", ncols=2)
     acceleration.plot(bump.time, bump.linear_acceleration, color=BLUE, linewidth=3.0, alpha=0.35, label="linear")
     acceleration.plot(bump.time, bump.acceleration, color=BLUE, linewidth=0.8, label="railcli")
-    acceleration.set(title="car body, down", ylabel="[m/s$^2$]", xlabel="time [s]", xlim=(0.15, 2.2))
+    acceleration.set(title="car body, down", ylabel="[m/s²]", xlabel="time [s]", xlim=(0.15, 2.2))
     acceleration.legend()
     waves = result.waves
     response, body, error = lower.subplots(1, 3)
@@ -177,7 +177,7 @@ def _draw_small(figure, result):
     response.legend(title="lines: linear")
     body.loglog(waves.fine, size[:, -1], color=GREY, linewidth=0.8, label="linear")
     body.loglog(coarse, np.abs(waves.acceleration), ".", color=BLUE, label="railcli")
-    body.set(title="Car body's acceleration per height", ylabel="[1/s$^2$]", xlabel="frequency [Hz]", ylim=(1e-2, 3e2))
+    body.set(title="Car body's acceleration per height", ylabel="[1/s²]", xlabel="frequency [Hz]", ylim=(1e-2, 3e2))
     body.legend()
     error.semilogx(coarse, 100 * waves.force_error, ".-", color=VERMILION, label="wheel force, worst")
     error.semilogx(coarse, 100 * waves.acceleration_error, ".-", color=BLUE, label="car body, of the largest")

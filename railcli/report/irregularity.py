@@ -99,7 +99,7 @@ def _spectra(figure, record, found):
     figure.suptitle(f"{record.title}: spectra, one-sided")
     for axis, name in zip(figure.subplots(2, 2, sharex=True).flat, CHANNELS, strict=True):
         axis.set(title=TITLES[name], xscale="log", yscale="log")
-        axis.set(xlabel="1 / wavelength [1/m]", ylabel="[mm$^2$ m]")
+        axis.set(xlabel="1 / wavelength [1/m]", ylabel="[mm² m]")
         if name not in found:
             axis.text(0.5, 0.5, "zero", transform=axis.transAxes, ha="center", color=GREY)
             axis.set_axis_off()

@@ -6,10 +6,11 @@ import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from railcli.analysis.linear import STEP
+from railcli.files.output import cell
 
 from . import mode_pictures
 from .figures import BLUE, GREEN, GREY, ORANGE, VERMILION, draw
-from .text import columns, conditions, conditions_json, facts
+from .text import columns, conditions, conditions_json, facts, speed
 
 HIGH = 50.0  # frequencies beyond are printed when asked for only [Hz]
 DEAD = 0.95  # damping ratios beyond likewise
@@ -61,7 +62,7 @@ def report(scenario, lines, modes, change, shapes, everything):
     linear = modes.linear
     worst = np.abs(change / modes.value).max()
     spins = int(linear.system.model.body["spins"].sum())
-    text = [f"{scenario.name}: {scenario.vehicle.name} at {linear.speed:g} m/s on straight level track"]
+    text = [f"{scenario.name}: {scenario.vehicle.name} at {speed(linear.speed)} on straight level track"]
     text += facts(
         [
             *conditions(scenario),
@@ -105,8 +106,8 @@ def report(scenario, lines, modes, change, shapes, everything):
 
 def _free(count):
     if count == 1:
-        return "1 motion that nothing holds left out (the running speed)"
-    return f"{count} motions that nothing holds left out"
+        return "1 neutral motion left out (the running speed)"
+    return f"{count} neutral motions left out"
 
 
 def _words(shape):
@@ -168,14 +169,14 @@ def _mode(modes, shape, k):
 def modes_csv(modes, shapes):
     """One row for each mode."""
     groups = list(shapes[0].shares) if shapes else []
-    keys = [f"energy_{name.replace(' ', '_')}" for name in groups]
+    keys = [cell(f"energy_{name.replace(' ', '_')}") for name in groups]
     lines = [",".join(["mode", "frequency_hz", "damping_ratio", "real_per_s", "imaginary_per_s", "wavelength_m",
                        "plane", *keys, "pole_height_m", "shape"])]  # fmt: skip
     for k, (value, shape) in enumerate(zip(modes.value, shapes, strict=True)):
         numbers = [f"{modes.frequency[k]:.6f}", f"{modes.damping[k]:.8f}", f"{value.real:.6f}", f"{value.imag:.6f}"]
         numbers += [f"{wavelength(modes.linear.speed, modes.frequency[k]):.4f}", shape.plane]
         numbers += [f"{shape.shares[name]:.6f}" for name in groups]
-        lines.append(",".join([str(k + 1), *numbers, f"{shape.pole:.4f}", f'"{shape.words}"']))
+        lines.append(",".join([str(k + 1), *numbers, f"{shape.pole:.4f}", cell(shape.words)]))
     return "\n".join(lines) + "\n"
 
 
@@ -186,7 +187,7 @@ def shapes_csv(modes, shapes):
         q = modes.linear.coordinates(modes.right[k])
         for name, row in zip(modes.linear.system.bodies, q, strict=True):
             lines += [
-                f'{k + 1},{modes.frequency[k]:.6f},"{name}",{axis},{unit},{entry.real:.9g},{entry.imag:.9g}'
+                f'{k + 1},{modes.frequency[k]:.6f},{cell(name)},{axis},{unit},{entry.real:.9g},{entry.imag:.9g}'
                 for axis, unit, entry in zip(AXES, UNITS, row, strict=True)
                 if abs(entry) > SPARE
             ]
@@ -239,7 +240,7 @@ def _plane(figure, scenario, modes, shapes):
     axis.set_ylim(low, top)
     axis.set_xlabel("real part [1/s]; left of 0: decays")
     axis.set_ylabel("frequency [Hz]")
-    axis.set_title(f"{scenario.name}: eigenvalues at {modes.linear.speed:g} m/s; dotted: equal damping ratio")
+    axis.set_title(f"{scenario.name}: eigenvalues at {speed(modes.linear.speed)}; dotted: equal damping ratio")
     axis.legend(loc="lower left")
     key = "\n".join(f"{k + 1:3d}  {modes.frequency[k]:6.2f} Hz  {shapes[k].words}" for k in shown)
     axis.annotate(key, (1.02, 1.0), xycoords="axes fraction", fontsize=7, va="top", family="monospace")

@@ -10,8 +10,9 @@ from railcli.model.assessment import GROUPS
 from . import assess
 from .curves import SIDES
 from .settings import differing, flat, shown
+from .text import speed
 
-STATUSES = ("pass", "warn", "fail", "not formed", "no limit")
+STATUSES = ("pass", "warn", "fail", "not evaluated", "no limit")
 
 
 @dataclass
@@ -170,7 +171,7 @@ def _facts(one):
         "scenario": shown(settings.get("name")),
         "title": shown(settings.get("title") or None),
         "vehicle": setting("vehicle", "name"),
-        "speed": setting("run", "speed_m_per_s", "{:g} m/s"),
+        "speed": speed(value) if isinstance(value := settings.get("run.speed_m_per_s"), float) else shown(value),
         "profiles": f"{profiles}, 1:{setting('contact', 'inclination', '{:g}')}",
         "friction, creep law": f"{setting('contact', 'friction', '{:g}')}, {setting('contact', 'creep_law')}",
         "normal contact": setting("contact", "normal"),

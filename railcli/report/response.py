@@ -7,6 +7,7 @@ from railcli.analysis.mode_shapes import groups
 from railcli.analysis.response import carried
 
 from .figures import SERIES, draw
+from .text import speed
 
 DIRECTIONS = (("lateral", "y"), ("vertical", "z"))
 
@@ -52,8 +53,8 @@ def _panels(figure, scenario, linear, answers):
         top, bottom = axes[:, column]
         for color, (label, gain) in zip(SERIES, _accelerations(linear, answer, axis).items(), strict=False):
             top.loglog(answer.frequency, 1e-3 * np.abs(gain), color=color, label=label)
-        top.set_title(f"{kind} displacement of both rails, {linear.speed:g} m/s")
-        top.set_ylabel(f"{kind} acceleration\n[m/s$^2$ per mm]")
+        top.set_title(f"{kind} displacement of both rails, {speed(linear.speed)}")
+        top.set_ylabel(f"{kind} acceleration\n[m/s² per mm]")
         top.legend()
         w = 0
         bottom.loglog(answer.frequency, 1e-6 * np.abs(answer.wheel[:, w, axis]), color=SERIES[0],

@@ -255,7 +255,7 @@ def _accelerations(figure, several):
     for axis in panels.ravel():
         _shade(axis, several)
     for row in panels:
-        row[0].set_ylabel("[m/s$^2$]")
+        row[0].set_ylabel("[m/s²]")
     for axis in panels[-1]:
         axis.set_xlabel("s [m]")
 
@@ -268,7 +268,7 @@ def _spectra(figure, several):
 
     panels = _body_panels(figure, several, paint)
     for row in panels:
-        row[0].set_ylabel("[(m/s$^2$)$^2$/Hz]")
+        row[0].set_ylabel("[(m/s²)²/Hz]")
     for axis in panels[-1]:
         axis.set_xlabel("frequency [Hz]")
 

@@ -8,7 +8,7 @@ from numpy.polynomial.polynomial import polyval
 
 from railcli.model.track import pack
 
-from .figures import GREY, SERIES, draw
+from .figures import GREY, SERIES, draw, plain
 from .text import columns, conditions, conditions_json, facts, speed
 
 LINE = 118  # characters of a description
@@ -229,7 +229,7 @@ def track_strip(strip, axes, scenario, end):
     bends = [polyval(s - piece["start"], piece["curvature"]) for s, piece in zip(places, pieces, strict=True)]
     strip.fill_between(np.concatenate(places), 1e3 * np.concatenate(bends), color=GREY, alpha=0.5, linewidth=0.0)
     strip.set_ylabel("curvature\n[1/km]")
-    strip.set_title(f"{scenario.name}, {scenario.run.speed:g} m/s; positive: to the right")
+    strip.set_title(f"{scenario.name}, {speed(scenario.run.speed)}; positive: to the right")
     strip.set_xlim(0.0, end)
     strip.margins(y=0.15)
     start = 0.0
@@ -275,9 +275,10 @@ def _accelerations(axes, main):
     for i, body in enumerate(main.sprung):
         for axis, direction in zip(axes, (1, 2), strict=True):
             colour = SERIES[i % len(SERIES)]
-            axis.plot(main.distance, main.acceleration[:, i, direction], color=colour, label=body, zorder=3.0 - 0.1 * i)
-    axes[0].set_ylabel("lateral acceleration,\nto the right [m/s$^2$]")
-    axes[1].set_ylabel("vertical acceleration,\ndown [m/s$^2$]")
+            axis.plot(main.distance, main.acceleration[:, i, direction], color=colour, label=plain(body),
+                      zorder=3.0 - 0.1 * i)  # fmt: skip
+    axes[0].set_ylabel("lateral acceleration,\nto the right [m/s²]")
+    axes[1].set_ylabel("vertical acceleration,\ndown [m/s²]")
 
 
 def summary(scenario, outcome, stretch, steady, provenance, files, step):

@@ -8,7 +8,7 @@ import numpy as np
 from railcli.analysis.stability import USUAL, end_of, hunts
 
 from .figures import GREY, SERIES, VERMILION, draw
-from .text import columns
+from .text import columns, speed
 
 TOP = 15.0  # of the root locus [Hz]
 SHOWN = (-12.0, 6.0)  # real parts in it [1/s]
@@ -86,14 +86,14 @@ def report(scenario, lines, loci, cycles, measures, step):
 def cycles_text(cycles, step):
     """Lines of the bifurcation table and where the hunting ends."""
     count = cycles[0].amplitude.size if cycles else 0
-    header = ("speed", *(f"W{k + 1}" for k in range(count)), "sum Y", "f", "wave", "")
-    rows = [("m/s", *["mm"] * count, "kN rms", "Hz", "m", "")]
+    header = ("speed", "", *(f"W{k + 1}" for k in range(count)), "sum Y", "f", "wave", "")
+    rows = [("m/s", "km/h", *["mm"] * count, "kN rms", "Hz", "m", "")]
     for cycle in sorted(cycles, key=lambda cycle: -cycle.speed):
         moves = cycle.hunts and math.isfinite(cycle.frequency)
         remark = "" if cycle.settled else f"still changing after {cycle.time:g} s"
         rows.append(
             (
-                f"{cycle.speed:.2f}", *(f"{value * 1e3:.2f}" for value in cycle.amplitude),
+                f"{cycle.speed:.2f}", f"{3.6 * cycle.speed:.1f}", *(f"{value * 1e3:.2f}" for value in cycle.amplitude),
                 f"{1e-3 * cycle.sum_y_rms.max():.2f}" if cycle.hunts else "-",
                 f"{cycle.frequency:.2f}" if moves else "-", f"{cycle.speed / cycle.frequency:.1f}" if moves else "-",
                 "no hunting" if not cycle.hunts else remark,
@@ -113,13 +113,13 @@ def verdict(cycles):
     if not cycles:
         return "No limit cycle was computed."
     if math.isnan(above):
-        return f"No hunting: the disturbance dies at {below:g} m/s already; begin at a higher speed (--from)."
+        return f"No hunting: the disturbance dies at {speed(below)} already; begin at a higher speed (--from)."
     if math.isnan(below):
-        return f"Hunting lasts down to {above:g} m/s, the lowest speed asked for (--speeds)."
+        return f"Hunting lasts down to {speed(above)}, the lowest speed asked for (--speeds)."
     smallest = next(cycle for cycle in cycles if cycle.speed == above)
     return (
-        f"Hunting lasts at {above:.2f} m/s ({3.6 * above:.0f} km/h), by {1e3 * smallest.largest:.2f} mm, and has died "
-        f"at {below:.2f} m/s."
+        f"Hunting lasts at {speed(above, '.2f')}, by {1e3 * smallest.largest:.2f} mm, and has died "
+        f"at {speed(below, '.2f')}."
     )
 
 
@@ -145,7 +145,7 @@ def speeds_text(loci, cycles, measures):
             remarks.append("not up to the speed from which the ramp fell (--from)")
             continue
         rows.append((name, f"{above:.2f}", f"{3.6 * above:.0f}"))
-        lasts = "still there at the lowest speed" if math.isnan(below) else f"no more at {below:.2f} m/s"
+        lasts = "still there at the lowest speed" if math.isnan(below) else f"no more at {speed(below, '.2f')}"
         cycle = at[above]
         remarks.append(f"{1e3 * cycle.largest:.2f} mm, {1e-3 * cycle.sum_y_rms.max():.1f} kN; {lasts}")
     text, locus = linear_speed(loci)
@@ -248,9 +248,9 @@ def locus_csv(loci):
     for locus in loci:
         if locus is None:
             continue
-        for speed, values in zip(locus.speeds, locus.values, strict=True):
+        for at, values in zip(locus.speeds, locus.values, strict=True):
             rows += [
-                f"{locus.amplitude * 1e3:g},{speed:g},{value.real:.6f},{value.imag / (2.0 * math.pi):.6f},"
+                f"{locus.amplitude * 1e3:g},{at:g},{value.real:.6f},{value.imag / (2.0 * math.pi):.6f},"
                 f"{-value.real / abs(value):.8f}"
                 for value in sorted(values, key=lambda value: value.imag)
             ]
@@ -340,7 +340,7 @@ def _bifurcation(figure, scenario, loci, cycles, measures):
         if math.isfinite(above):
             axis.axvline(above, color=VERMILION, linewidth=0.8, linestyle=":")
             axis.annotate(
-                f"{words}: {above:.1f} m/s", (above, 0.97), xycoords=("data", "axes fraction"), fontsize=8,
+                f"{words}: {speed(above, '.1f')}", (above, 0.97), xycoords=("data", "axes fraction"), fontsize=8,
                 rotation=90, ha="right", va="top", color=VERMILION,
             )  # fmt: skip
     axis.set_ylim(bottom=0.0)

@@ -32,9 +32,9 @@ def sectioned(head, sections, last):
     return "\n".join([*lines, "", last])
 
 
-def speed(metres_per_second):
+def speed(metres_per_second, form="g"):
     """A speed in both units."""
-    return f"{metres_per_second:g} m/s ({3.6 * metres_per_second:.4g} km/h)"
+    return f"{metres_per_second:{form}} m/s ({3.6 * metres_per_second:.4g} km/h)"
 
 
 def conditions(scenario):
@@ -46,7 +46,11 @@ def conditions(scenario):
         asked = f"{min(run.course.speed):g} to {speed(run.speed)}, over time"
     if scenario.is_free:
         asked = f"{speed(scenario.first_speed)} at the beginning"
-    falls = f", falling to {contact.friction_ratio:g} of it" if contact.friction_decay > 0.0 else ""
+    falls = (
+        f", falling with the speed of sliding to {contact.friction * contact.friction_ratio:.3g}"
+        if contact.friction_decay > 0.0
+        else ""
+    )
     pairs = [
         ("speed", asked),
         ("friction", _of_line(scenario.adhesion) if scenario.adhesion else f"{contact.friction:g}{falls}"),

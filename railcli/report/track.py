@@ -9,6 +9,7 @@ from railcli.analysis.alignment import LIMITS, NOT_CONSULTED, TIMED, course
 from .figures import BLUE, GREY, ORANGE, SERIES, VERMILION, draw
 from .run import SHADE
 from .text import columns, facts
+from .text import speed as both_units
 
 WORDS = {  # of a limit: in words, unit, factor from SI
     "cant": ("cant", "mm", 1e3),
@@ -229,7 +230,7 @@ def _cant(axis, case, found, speed):
     axis.plot(found.s, 1e3 * found.cant, color=BLUE, label="cant D")
     if speed:
         balance = 1e3 * case.cant_base * speed**2 * found.curvature / case.gravity
-        axis.plot(found.s, balance, color=GREY, linestyle="--", label=f"in balance at {speed:g} m/s")
+        axis.plot(found.s, balance, color=GREY, linestyle="--", label=f"in balance at {both_units(speed)}")
         axis.fill_between(found.s, 1e3 * found.cant, balance, color=ORANGE, alpha=0.25, linewidth=0.0,
                           label="deficiency, excess")  # fmt: skip
     axis.set_ylabel("cant [mm]\nleft over right rail")

@@ -23,7 +23,7 @@ def total_rows(vehicle, loads, gravity):
     axle = loads.sum(axis=1) / gravity * 1e-3
     return [
         ("", ""),
-        ("mass", f"{mass * 1e-3:.4g} t, of it {(mass - sprung) * 1e-3:.4g} t in wheelsets"),
+        ("mass", f"{mass * 1e-3:.4g} t, {(mass - sprung) * 1e-3:.4g} t of that in wheelsets"),
         ("centre of gravity", f"x {x:.3f} m, y {y:.3f} m, {height:.3f} m above the rails"),
         ("axle loads", f"{axle.min():.4g} to {axle.max():.4g} t"),
     ]

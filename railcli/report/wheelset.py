@@ -159,7 +159,7 @@ def both_sides(axis, contact, quantity, scale):
 
 def radius_difference(axis, contact, rigid=None):
     """Draw delta-r, and in an inset what it is before a flank touches; beside it that of rigid contact points."""
-    over_y(axis, contact, "Rolling radius difference, right less left", "$\\Delta r$ [mm]")
+    over_y(axis, contact, "Rolling radius difference, right less left", "Δr [mm]")
     y, difference = broken(contact, contact.radius_difference * 1e3)
     axis.plot(y, difference, color=BLUE, label="quasi-elastic" if rigid else None)
     if rigid:

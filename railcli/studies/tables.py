@@ -1,5 +1,6 @@
 """Contact tables: those that a scenario needs from the user's cache, or built and certified."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -8,9 +9,11 @@ from railcli.analysis.certify import LIMITS, SEED, certify
 from railcli.analysis.certify import shortcomings as of_geometry
 from railcli.analysis.warm import warm_tables
 from railcli.errors import InputError
+from railcli.files import kept_tables
 from railcli.files.lock import alone
 from railcli.files.profiles import profile_of, settings_on
 from railcli.files.tables import OF_A_SCENARIO, Expected, cached_path, check_expected, load, read, save
+from railcli.files.user_file import is_there
 from railcli.kernels import jit
 from railcli.model.contact_table import ContactTable, check_tape
 from railcli.model.submodels import NORMAL_LAWS
@@ -145,7 +148,8 @@ def limits(table):
 def table_for(settings, wheel, rail, voice=SILENT):
     """The table of these settings and profiles from the user's cache; built and kept there when it is missing.
 
-    A file there that is damaged, or that other sources of the kernels built, is replaced. Of several processes that
+    A file there that is damaged, or that other sources of the kernels built, is replaced; the tables that were used
+    longest ago make room for a new one. A cache that cannot be written costs time only. Of several processes that
     need the same table at once one builds it; the others wait and read.
 
     Parameters
@@ -158,6 +162,8 @@ def table_for(settings, wheel, rail, voice=SILENT):
     table, _ = _kept(path, expect)
     if table is not None:
         return table
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
     waits = f"Another process builds the contact table of {wheel.name} on {rail.name}: waiting for it ..."
     with alone(path, lambda: voice.announce(waits)):
         table, complaint = _kept(path, expect)
@@ -167,20 +173,27 @@ def table_for(settings, wheel, rail, voice=SILENT):
             voice.warn(f"{complaint}; it is built again")
         built = make(wheel, rail, settings, voice=voice)
         doubt(built.certificate, wheel, rail, voice)
-        save(built.table, path, built.certificate)
+        try:
+            save(built.table, path, built.certificate)
+            kept_tables.make_room(path)
+        except InputError as error:
+            voice.warn(f"the contact table cannot be kept, every run builds it again: {error}")
     return built.table
 
 
 def _kept(path, expect):
     """The table in a file of the cache, None when there is none to use, and what is wrong with the file."""
-    if not path.exists():
+    if not is_there(path):
         return None, ""
     try:
         stored = read(path)
         check_expected(stored.table, path, expect)
     except InputError as error:
         return None, str(error).partition("; build it")[0]
-    return (stored.table if stored.kernels == jit.source_digest() else None), ""
+    if stored.kernels != jit.source_digest():
+        return None, ""
+    kept_tables.used(path)
+    return stored.table, ""
 
 
 def tables_for(scenario, voice=SILENT, shelf=None):

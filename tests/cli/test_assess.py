@@ -175,6 +175,7 @@ def test_a_run_that_broke_off_says_so(finished, tmp_path):
     folder, _ = finished
     shutil.copytree(folder, tmp_path / "one")
     summary = json.loads((tmp_path / "one" / "summary.json").read_text())
+    (tmp_path / "one" / ".railcli").unlink()  # which has its checksum
     (tmp_path / "one" / "summary.json").write_text(json.dumps({**summary, "fault": "wheel W1 left derailed"}))
     shutil.copytree(folder, tmp_path / "two")
     (tmp_path / "two" / "summary.json").unlink()

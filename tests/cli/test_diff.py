@@ -6,6 +6,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
+import scenes
 from click.testing import CliRunner
 
 from railcli.cli import main
@@ -26,6 +27,7 @@ def altered(recorded, tmp_path):
         shutil.copytree(recorded(), tmp_path / "copy")
         with h5py.File(tmp_path / "copy" / "timeseries.h5", "r+") as file:
             change(file)
+        scenes.reseal(tmp_path / "copy" / "timeseries.h5")
         return tmp_path / "copy"
 
     return copy

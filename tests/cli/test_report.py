@@ -229,6 +229,7 @@ def test_what_cannot_be_judged_is_said(recorded, tmp_path):
     scenario["contact"]["friction"] = {"dry": 0.3}
     scenario["vehicle"] = "another one"
     (copy / "scenario.json").write_text(json.dumps(scenario))
+    (copy / ".railcli").unlink()  # which has its checksum
     (copy / "summary.json").unlink()
     result = run(copy, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.stderr

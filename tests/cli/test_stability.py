@@ -102,7 +102,7 @@ def test_ramp_that_finds_no_hunting(scenario, tmp_path):
     arguments = ["--amplitude", 2, "--speeds", "20-40:10", "--from", 30, "-q", "-o", out]
     result = run("critical-speed", scenario, *arguments)
     assert result.exit_code == 0, result.stderr
-    assert "> 40" in result.stdout and "No hunting: the disturbance dies at 30 m/s already" in result.stdout
+    assert "> 40" in result.stdout and "No hunting: the disturbance dies at 30 m/s (108 km/h) already" in result.stdout
     with open(out / "limit_cycles.csv", newline="") as file:
         (row,) = csv.DictReader(file)
     assert float(row["speed_m_per_s"]) == 30.0 and float(row["W1_mm"]) < 0.1

@@ -121,7 +121,7 @@ def test_on_straight_track_both_wheels_guide_and_nothing_is_quasi_static():
     results.arrays["wheels/W4_left/Y"] -= 15e3
     values = found(results)
     assert values["Y_Q"].value == pytest.approx(15e3 / results.static[3, 1], rel=1e-6)
-    assert values["Y_qst"].status == "not formed" and "no full curve" in values["Y_qst"].note
+    assert values["Y_qst"].status == "not evaluated" and "no full curve" in values["Y_qst"].note
 
 
 def test_wheel_load_and_unloading():
@@ -234,19 +234,19 @@ def test_comfort_of_stationary_sines():
 
 def test_short_runs_say_what_is_missing():
     values = found(Recorded(seconds=21.0))
-    assert values["N_MV"].status == "not formed" and "3 windows of 5 s" in values["N_MV"].note
+    assert values["N_MV"].status == "not evaluated" and "3 windows of 5 s" in values["N_MV"].note
     assert values["Wz_z"].status == "no limit"
     values = found(Recorded(seconds=7.0))
-    assert values["Wz_z"].status == "not formed" and values["stability"].status == "not formed"
+    assert values["Wz_z"].status == "not evaluated" and values["stability"].status == "not evaluated"
     assert "100 m" in values["stability"].note
     outcome = assess(Recorded(seconds=2.5))
-    assert {value.status for value in outcome.values} == {"not formed"} and not outcome.sections
+    assert {value.status for value in outcome.values} == {"not evaluated"} and not outcome.sections
     assert all("first 3 and the last 2 s" in value.note for value in outcome.values)
 
 
 @pytest.mark.parametrize(
     "rate, statuses, warning",
-    [(25.0, {"not formed"}, ""), (80.0, {"pass"}, "Forces: recorded at 80 Hz"), (200.0, {"pass"}, "")],
+    [(25.0, {"not evaluated"}, ""), (80.0, {"pass"}, "Forces: recorded at 80 Hz"), (200.0, {"pass"}, "")],
 )
 def test_recorded_rate(rate, statuses, warning):
     outcome = assess(Recorded(rate=rate))
@@ -406,5 +406,5 @@ def test_every_figure_has_a_value_or_a_reason():
     for results in (Recorded(), Recorded(seconds=2.0), Recorded(rate=10.0)):
         values = assess(results).values
         assert [value.key for value in values] == list(FIGURES)
-        assert all((value.value is None) == (value.status == "not formed") for value in values)
+        assert all((value.value is None) == (value.status == "not evaluated") for value in values)
         assert all(value.note for value in values if value.value is None)

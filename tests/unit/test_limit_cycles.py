@@ -52,7 +52,8 @@ def test_measures_of_cycles():
     assert end_of(cycles, limited.counts) == (60.0, 70.0)
     assert end_of(cycles, limited.breaks) == (70.0, 80.0)
     text = "\n".join(speeds_text([None], cycles, limited))
-    for words in ("smallest limit cycle", "60.00   216  0.50 mm, 4.0 kN; no more at 50.00 m/s", "limit cycle of 1 mm",
+    for words in ("smallest limit cycle", "60.00   216  0.50 mm, 4.0 kN; no more at 50.00 m/s (180 km/h)",
+                  "limit cycle of 1 mm",
                   "70.00   252", "at its limit of 23.0 kN  80.00   288", "linear, swing of 3 mm"):  # fmt: skip
         assert words in text
     found = speeds_json([None], cycles[1:], limited)

@@ -12,7 +12,6 @@ import pytest
 from railcli.errors import InputError, SimulationError
 from railcli.files import output
 from railcli.files.output import (
-    cache_folder,
     output_file,
     results_folder,
     whole_file,
@@ -96,10 +95,10 @@ def test_full_disk_is_told_and_leaves_nothing(disk_full):
     ],
 )
 def test_refusal_of_the_system_names_file_and_reason(monkeypatch, number, reason):
-    def refuse(path, *_args, **_options):
+    def refuse(path):
         raise OSError(number, "text of the system", str(path))
 
-    monkeypatch.setattr(Path, "touch", refuse)
+    monkeypatch.setattr(output.lock, "new", refuse)
     with pytest.raises(InputError) as caught:
         write_text("folder/a.txt", "text")
     assert str(caught.value).startswith(f"{Path('folder/a.txt')}: cannot be written: ")
@@ -304,10 +303,9 @@ def test_folder_that_cannot_be_made(monkeypatch):
 # The cache
 
 
-def test_cache_folder_is_where_the_user_says(monkeypatch, tmp_path):
+def test_cache_is_where_the_user_says(monkeypatch, tmp_path):
     monkeypatch.setenv("RAILCLI_CACHE_DIR", str(tmp_path / "given"))
-    assert cache_folder("tables") == tmp_path / "given/tables"
-    assert (tmp_path / "given/tables").is_dir()
+    assert place.cache_root() == tmp_path / "given"
 
 
 @pytest.mark.parametrize("value", ["", None])
@@ -319,11 +317,101 @@ def test_empty_cache_setting_counts_as_none(monkeypatch, tmp_path, value):
         monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     else:
         monkeypatch.setenv("XDG_CACHE_HOME", value)
-    assert cache_folder("tables") == Path.home() / ".cache/railcli/tables"
+    assert place.cache_root() == Path.home() / ".cache/railcli"
 
 
-def test_cache_that_cannot_be_written_is_told(monkeypatch, tmp_path):
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("RAILCLI_CACHE_DIR", str(tmp_path / "file"))
-    with pytest.raises(InputError, match="RAILCLI_CACHE_DIR"):
-        cache_folder("tables")
+# What killed processes leave, and what others do at the same time
+
+
+KILLED = """
+import os, signal
+from railcli.files.output import results_folder, whole_file
+with results_folder("run", "curve", "out") as folder, whole_file(folder / "{name}") as part:
+    part.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+needs_locks = pytest.mark.skipif(output.lock.fcntl is None, reason="the system has no such locks")
+
+
+@needs_locks
+def test_what_a_killed_process_left_is_removed_by_the_next(run_python):
+    assert run_python(KILLED.format(name="a.csv")).returncode < 0
+    (left,) = output.parts("out")
+    assert left.read_text() == "half" and left.suffix == ".csv"
+    write_text("out/b.csv", "new")
+    assert output.parts("out") == [] and "b.csv" in names("out")
+
+
+@needs_locks
+def test_time_series_of_a_killed_run_stay_until_the_folder_is_overwritten(run_python):
+    run_python(KILLED.format(name="timeseries.h5"))
+    write_text("out/b.csv", "new")
+    assert output.parts("out", "timeseries.h5")
+    with results_folder("run", "curve", "out", overwrite=True) as folder:
+        write_text(folder / "c.csv", "new")
+    assert names("out") == [".railcli", "c.csv"]
+
+
+@needs_locks
+def test_a_file_that_is_being_written_is_no_leftover():
+    with whole_file("a.csv") as part:
+        write_text("b.csv", "other")
+        part.write_text("whole")
+    assert names() == ["a.csv", "b.csv"]
+
+
+@needs_locks
+def test_two_commands_do_not_write_into_one_folder():
+    with results_folder("run", "curve", "out") as folder:
+        write_text(folder / "a.csv", "of the first")
+        with pytest.raises(InputError, match="^out: another railcli command writes there"):
+            make_results_again()
+    assert Path("out/a.csv").read_text() == "of the first"
+
+
+def make_results_again():
+    with results_folder("run", "curve", "out", overwrite=True):
+        pass
+
+
+def test_overwrite_spares_what_was_changed_since():
+    make_results("out", "a.csv", "b.csv")
+    Path("out/b.csv").write_text("by hand")
+    assert output.is_changed("out/b.csv") and not output.is_changed("out/a.csv")
+    with pytest.raises(InputError, match="^out/b.csv: was changed since railcli wrote it"):
+        make_results_again()
+    assert Path("out/a.csv").read_text() == "old a.csv"
+
+
+def test_a_command_does_not_overwrite_what_it_reads():
+    made = make_results("out", "a.csv")
+    with pytest.raises(InputError, match="holds what this command reads"):
+        with results_folder("assess", "curve", made, overwrite=True, reads=[Path("out/a.csv")]):
+            pass
+    assert Path("out/a.csv").exists()
+
+
+def test_a_place_where_nothing_can_be_written_is_found_before_the_work(monkeypatch):
+    def refuse(dir):
+        raise OSError(errno.EROFS, "read-only", f"{dir}/other")
+
+    monkeypatch.setattr(output.tempfile, "TemporaryFile", refuse)
+    with pytest.raises(InputError, match="^new/a.csv: cannot be written: the file system is read-only"):
+        output_file("new/a.csv")
+    assert names() == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names there are text")
+@pytest.mark.parametrize("name", [80 * "\u6e2c", os.fsdecode(b"Rad_gr\xf6sse"), "$a_b^2$", "\x1b[31mred", "-q"])
+def test_any_name_of_a_file(name):
+    write_text(f"{name}.csv", "x")
+    with results_folder("run", name, f"results {name}"[:80]) as folder:
+        write_text(folder / f"{name[:60]}.csv", "x")
+    assert not output.is_changed(next(folder.glob("*.csv")))
+    make_over(folder)
+    assert [path.name for path in folder.iterdir()] == [".railcli", "b.csv"]
+
+
+def make_over(folder):
+    with results_folder("run", "curve", folder, overwrite=True):
+        write_text(folder / "b.csv", "new")

@@ -24,11 +24,12 @@ RUN = "[run]\nspeed_m_per_s = 20\ndistance_m = 12\n[[track]]\nkind = 'straight'\
 
 @pytest.mark.parametrize(("name", "kind"), [("avg_wheel.whl", "wheel"), ("avg_low2.ban", "rail"),
                                             ("MBench_UIC60_v3.prr", "rail")])  # fmt: skip
-def test_a_raw_file_is_imported_and_that_is_said(name, kind, capsys):
-    """The same profile as `profile import` gives by default, and one line on stderr."""
+def test_a_raw_file_is_imported_and_that_is_said(name, kind, caplog):
+    """The same profile as `profile import` gives by default, and one line to the logger."""
+    caplog.set_level("INFO", "railcli")
     found = load_profile(SAMPLES / name, kind)
     assert found.digest() == import_profile(SAMPLES / name, ImportSettings(kind=kind)).profile.digest()
-    (line,) = capsys.readouterr().err.splitlines()
+    (line,) = caplog.messages
     assert line.startswith(f"Imported {SAMPLES / name} (") and "with default decisions: units mm" in line
     assert "`railcli profile import` tells all" in line
 

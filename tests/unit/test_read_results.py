@@ -5,6 +5,7 @@ import json
 import h5py
 import numpy as np
 import pytest
+import scenes
 
 from railcli.errors import InputError
 from railcli.files.output import write_json
@@ -91,6 +92,17 @@ def flip(path):
     (path / "timeseries.h5").write_bytes(data)
 
 
+def flip_of_another_program(path):
+    """The same in a file that was sealed thereafter: the checksum of the chunk finds it."""
+    flip(path)
+    scenes.reseal(path / "timeseries.h5")
+
+
+def beheaded(path):
+    """Copied by a program that knows HDF5 alone."""
+    (path / "timeseries.h5").write_bytes((path / "timeseries.h5").read_bytes()[512:])
+
+
 def foreign(path):
     with h5py.File(path / "timeseries.h5", "w") as file:
         file["time"] = [1.0]
@@ -99,16 +111,19 @@ def foreign(path):
 def other_version(path):
     with h5py.File(path / "timeseries.h5", "r+") as file:
         file.attrs["version"] = 99
+    scenes.reseal(path / "timeseries.h5")
 
 
 def shortened(path):
     with h5py.File(path / "timeseries.h5", "r+") as file:
         file["wheels/W1_right/Y"].resize(7, axis=0)
+    scenes.reseal(path / "timeseries.h5")
 
 
 def emptied(path):
     with h5py.File(path / "timeseries.h5", "r+") as file:
         file.visititems(lambda _, item: item.resize(0, axis=0) if isinstance(item, h5py.Dataset) else None)
+    scenes.reseal(path / "timeseries.h5")
 
 
 def without_speed(path):
@@ -120,14 +135,16 @@ def without_speed(path):
 @pytest.mark.parametrize(
     "spoil, words",
     [
-        (cut, "cannot be read"),
-        (flip, "'wheels/W1_right/Y' is damaged"),
+        (cut, "is truncated"),
+        (flip, "checksum does not fit"),
+        (flip_of_another_program, "'wheels/W1_right/Y' is damaged"),
+        (beheaded, "its head is gone"),
         (foreign, "not of time series"),
         (other_version, "version 99"),
         (shortened, "cut off"),
         (emptied, "no rows"),
         (lambda path: (path / "timeseries.h5").unlink(), "no timeseries.h5"),
-        (lambda path: (path / "timeseries.h5").write_bytes(b""), "cannot be read"),
+        (lambda path: (path / "timeseries.h5").write_bytes(b""), "is not a file of time series"),
         (lambda path: (path / "scenario.json").unlink(), "scenario.json: is missing"),
         (lambda path: (path / "scenario.json").write_text("{"), "no JSON"),
         (lambda path: (path / "scenario.json").write_text("[1]"), "no table"),

@@ -9,8 +9,9 @@ import pytest
 import scenes
 
 from railcli.errors import InputError, SimulationError
-from railcli.files.growing_hdf5 import GrowingHdf5, uninterrupted
+from railcli.files.growing_hdf5 import GrowingHdf5
 from railcli.files.results import CHUNK, TimeSeries, envelope, main_channels, pieces, write_main_channels
+from railcli.interruption import uninterrupted
 from railcli.kernels.recording import averaged, new_rows
 
 SEED = 1
@@ -19,7 +20,7 @@ UNTIL_FULL = """
 import resource, sys
 from railcli.files.growing_hdf5 import GrowingHdf5
 resource.setrlimit(resource.RLIMIT_FSIZE, (6_000_000, 6_000_000))
-growing = GrowingHdf5("a.h5")
+growing = GrowingHdf5("a.h5", "title")
 with growing.growing(0):
     x = growing.file.create_dataset("x", (0,), "f8", maxshape=(None,), chunks=(10_000,))
 rows = 0
@@ -111,7 +112,7 @@ def test_a_run_without_rows_leaves_no_file(wagon, tmp_path):
 
 
 def test_ctrl_c_waits_until_the_rows_are_written(tmp_path):
-    growing = GrowingHdf5(tmp_path / "a.h5")
+    growing = GrowingHdf5(tmp_path / "a.h5", "title")
     with pytest.raises(KeyboardInterrupt), growing.growing(1000):
         signal.raise_signal(signal.SIGINT)
         growing.file["x"] = np.arange(3.0)

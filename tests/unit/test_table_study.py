@@ -14,7 +14,7 @@ from railcli.analysis.build_table import build_table
 from railcli.errors import InputError
 from railcli.files import scenario
 from railcli.files.tables import ARRAYS, read, save
-from railcli.kernels import jit
+from railcli.kernels import jit, place
 from railcli.model.contact_table import TableSettings, mount
 from railcli.model.system import assemble
 from railcli.studies import tables
@@ -100,7 +100,7 @@ def test_every_pairing_of_a_scenario_gets_its_table(profiles, cache, built, monk
     assert assemble(case, found).model.wheel["table"].tolist() == [0, 1, 0, 2, 0, 2, 0, 2]
 
 
-def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, cache, monkeypatch, capsys, voice):
+def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, cache, monkeypatch, recwarn, voice):
     wheel, rail = profiles
     leaning = dataclasses.replace(rail.rotated(-math.atan(1 / 40)), inclined=None)
     included = dataclasses.replace(leaning, inclined=True)
@@ -115,7 +115,8 @@ def test_a_rail_that_includes_its_inclination_is_not_inclined_again(profiles, ca
         known = dataclasses.replace(item)
         monkeypatch.setattr(tables, "profile_of", lambda _, place, kind, known=known: {"rail": known}.get(kind, wheel))
         assert {settings.inclination for settings in tables.tables_for(case, voice)} == {inclination}
-        assert capsys.readouterr().err.count("Warning") == warnings
+        assert len(recwarn.list) == warnings
+        recwarn.clear()
 
 
 def test_a_named_table_of_the_left_side_must_be_for_it(coarse, tmp_path, voice):
@@ -178,6 +179,7 @@ DIES = """
 from railcli.files.lock import alone
 import os, signal
 place = tables.cached_path(settings, *profiles)
+place.parent.mkdir(parents=True, exist_ok=True)
 with alone(place):
     print("holds", flush=True)
     sys.stdin.readline()
@@ -189,7 +191,7 @@ with alone(place):
 def process(tmp_path):
     """Function that starts Python code which knows the cache in `tmp_path`, and compiled code where it is kept."""
     places = {"PYTHONPATH": str(ROOT), "RAILCLI_CACHE_DIR": str(tmp_path)}
-    code_cache = os.environ.get("NUMBA_CACHE_DIR") or str(jit.cache_root() / "code")
+    code_cache = os.environ.get("NUMBA_CACHE_DIR") or str(place.cache_root() / "code")
     environment = {**os.environ, **places, "NUMBA_CACHE_DIR": code_cache}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     return lambda code: subprocess.Popen([sys.executable, "-c", code], env=environment, **pipes)

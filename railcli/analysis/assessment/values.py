@@ -21,8 +21,8 @@ class Value:
     key : str
         Of model.assessment.FIGURES.
     value, limit : float or None
-        SI; None: not formed, no limit.
-    status : {"pass", "warn", "fail", "no limit", "not formed"}
+        SI; None: not evaluated, no limit.
+    status : {"pass", "warn", "fail", "no limit", "not evaluated"}
     place : str
         Where it is nearest to its limit.
     note : str
@@ -75,7 +75,7 @@ class Assessment:
     values : list of Value
     sections : list of Section
     by_section : dict of str to list
-        For each figure its value in each section; None where it is not formed.
+        For each figure its value in each section; None where it is not evaluated.
     wear : dict of str to dict of str to (float, float)
         Wheel, part of the profile -> mean over all sections and largest mean of a section of T-gamma [N].
     traces : dict of str to dict of str to Trace
@@ -140,7 +140,7 @@ class Tally:
 
     def _value(self, key):
         if key not in self._best:
-            return Value(key, None, None, "not formed", note=self._missing.get(key, "nothing to form it of"))
+            return Value(key, None, None, "not evaluated", note=self._missing.get(key, "nothing to form it of"))
         _, value, limit, place, note = self._best[key]
         if key in GRADES:
             grade = next(word for bound, word in GRADES[key] if value < bound)
