@@ -32,8 +32,8 @@ def test_help_lists_the_commands_in_order_of_use():
     assert result.exit_code == 0
     lines = result.stdout.partition("Contact and track:\n")[2].splitlines()
     assert [line.split()[0] for line in lines if line.startswith("  ")] == list(main.commands) == [
-        "profile", "build-lut", "contact", "conicity", "track", "vehicle", "scenario", "run", "modes", "critical-speed",
-        "assess", "report", "diff", "export", "validate", "rt-bench", "cache",
+        "profile", "build-lut", "contact", "conicity", "track", "vehicle", "scenario", "run", "sweep", "modes",
+        "critical-speed", "assess", "report", "diff", "export", "validate", "rt-bench", "cache",
     ]  # fmt: skip
 
 

@@ -41,7 +41,10 @@ def test_rows_of_a_run_that_is_stopped_are_kept(table, tmp_path, name, code):
     tables.save(table, tmp_path / "table.h5")
     (tmp_path / "case.toml").write_text(LONG)
     words = ["run", "scenario", "./case.toml", "-q", "-o", "out"]
-    process = subprocess.Popen([sys.executable, "-m", "railcli", *words], cwd=tmp_path, stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "railcli", *words], cwd=tmp_path, stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),  # below nohup it is ignored, and stays so
+    )  # fmt: skip
     sizes, ends = set(), time.monotonic() + 200  # when there is room for the second rows, the first are written
     while len(sizes) < 2 and time.monotonic() < ends and process.poll() is None:
         time.sleep(0.02)

@@ -73,7 +73,8 @@ def test_list_names_every_built_in_scenario():
     result = run("--list")
     assert result.exit_code == 0
     listed = {line.split()[0] for line in result.stdout.splitlines()}
-    places = [*ROOT.glob("benchmarks/manchester/cases/*.toml"), *ROOT.glob("vehicles/*/cases/*.toml")]
+    folders = ("benchmarks/manchester", "benchmarks/braking", "vehicles/*")
+    places = [path for folder in folders for path in ROOT.glob(f"{folder}/cases/*.toml")]
     assert listed == {path.stem for path in places}
 
 

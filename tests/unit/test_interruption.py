@@ -11,6 +11,7 @@ START = """
 import hashlib, os, signal, sys, threading, time
 from railcli import interruption
 interruption.PATIENCE = 0.3
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # below nohup it is ignored, and stays so
 interruption.listen()
 def later(*numbers):
     def send():
