@@ -11,7 +11,6 @@ START = """
 import hashlib, os, signal, sys, threading, time
 from railcli import interruption
 interruption.PATIENCE = 0.3
-signal.signal(signal.SIGHUP, signal.SIG_DFL)  # below nohup it is ignored, and stays so
 interruption.listen()
 def later(*numbers):
     def send():
@@ -24,7 +23,9 @@ def later(*numbers):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_each_is_an_interrupt_with_its_exit_code(run_python, number):
-    code = f"""{START}
+    code = f"""import signal
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # below nohup it is ignored, and stays so
+{START}
 later({int(number)})
 try:
     time.sleep(60)
