@@ -1,5 +1,6 @@
 """A run with subsystems for people: how it stopped, what each axle did, where the energy went."""
 
+import h5py
 import numpy as np
 
 from railcli.analysis.ledger import GAINS, LOSSES, ledger
@@ -100,23 +101,28 @@ def as_json(scenario, system, outcome):
     }  # fmt: skip
 
 
-def figures(scenario, system, outcome, folder):
+def figures(scenario, outcome, system, folder):
     """Draw speeds, slide, pressures and adhesion over time, and the energies; names of the files."""
-    import h5py
-
-    count = system.model.axle.size
-    with h5py.File(folder / TIME_SERIES, "r", locking=False) as file:
-        time, vehicle = file["time"][:], file[f"bodies/{system.bodies[0]}/velocity"][:, 0]
-        axles = {key: np.column_stack([file[f"axles/W{a + 1}/{key}"][:] for a in range(count)])
-                 for key in AXLE_CHANNELS}  # fmt: skip
-        spins = [system.bodies[i] for i in system.wheelsets]
-        tread = np.column_stack([-file[f"bodies/{name}/angular_velocity"][:, 1] for name in spins])
-        energy = {key: file[f"energy/{key}"][:] for key in file["energy"]}
-    tread *= system.model.axle["radius"]
-    draw(lambda figure: _over_time(figure, scenario, time, vehicle, tread, axles), folder / "braking.png", (9.0, 9.0))
     first = ledger(system, outcome.first, outcome.last).start
+    with h5py.File(folder / TIME_SERIES, "r", locking=False) as file:
+        over_time(scenario, lambda channel: file[channel][:], folder / "braking.png")
+        time, energy = file["time"][:], {key: file[f"energy/{key}"][:] for key in file["energy"]}
     draw(lambda figure: _energies(figure, scenario, time, energy, first), folder / "energy.png", (9.0, 4.5))
     return [f"{name}.png" for name in FIGURES]
+
+
+def over_time(scenario, read, path):
+    """Draw speeds, slide, pressures, valves and adhesion of a run with subsystems.
+
+    read : gives the values of a channel.
+    """
+    vehicle = scenario.vehicle
+    time, speeds = read("time"), read(f"bodies/{vehicle.names[0]}/velocity")[:, 0]
+    numbers = range(1, len(vehicle.wheelsets) + 1)
+    axles = {key: np.column_stack([read(f"axles/W{k}/{key}") for k in numbers]) for key in AXLE_CHANNELS}
+    spins = [read(f"bodies/{vehicle.names[i]}/angular_velocity")[:, 1] for i in vehicle.wheelsets]
+    tread = -np.column_stack(spins) * np.mean(vehicle.wheel_radii, axis=1)
+    draw(lambda figure: _over_time(figure, scenario, time, speeds, tread, axles), path, (9.0, 9.0))
 
 
 def _over_time(figure, scenario, time, vehicle, tread, axles):

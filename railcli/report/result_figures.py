@@ -1,6 +1,7 @@
 """Figures of one result, or of several overlaid: a panel for each wheelset or body, a colour for each result."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -80,6 +81,21 @@ def figures(several):
         )
         found.append(_painted("spectra", "Spectra of the accelerations", caption, _spectra, size, several))
     return found
+
+
+def figure_of_braking(one, several):
+    """Speeds, slide, pressures, valves and adhesion of a result with subsystems, as a list of one Figure."""
+    from . import braking
+
+    if "axles/W1/slide" not in one.results.channels or one.scenario is None:
+        return []
+    number = several.index(one) + 1
+    caption = (
+        "Speed of the vehicle and of the treads, slide, cylinder pressures, dump valves, and longitudinal over "
+        "vertical force of each axle beside the friction offered at its slip velocity."
+    )
+    title = f"Brakes and drives of {one.label}" if len(several) > 1 else "Brakes and drives"
+    return [Figure(f"braking-{number}", title, caption, partial(braking.over_time, one.scenario, one.results.read))]
 
 
 def figure_of_assessment(one, outcome, several):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from railcli import __version__
 from railcli.analysis.assess import assess
+from railcli.errors import InputError
 from railcli.files.embed import data_uri
 from railcli.files.output import write_text
 from railcli.files.read_results import Results
@@ -78,13 +79,14 @@ def report(results, place, limits=None, assessment=True, picture="png", film=Non
 
 def _drawn(several, folder, limits, assessment, picture, voice):
     """Assessments of results, None where there is none, and their pictures as the page shows them."""
-    from railcli.report.result_figures import figure_of_assessment, figures
+    from railcli.report.result_figures import figure_of_assessment, figure_of_braking, figures
 
     wanted, outcomes, pictures = figures(several), [], []
     with voice.job("Report", 2 * len(several) + len(wanted), "parts") as job:
         for one in several:
-            outcomes.append(assess(one.results, limits) if assessment and one.scenario is not None else None)
+            outcomes.append(_assessed(one, limits) if assessment and one.scenario is not None else None)
             wanted += figure_of_assessment(one, outcomes[-1], several)
+            wanted += figure_of_braking(one, several)
             job.update(len(outcomes), f"assessed {one.label}")
         for name, title, caption, write in wanted:
             path = folder / f"{name}.{picture}"
@@ -94,6 +96,15 @@ def _drawn(several, folder, limits, assessment, picture, voice):
             )
             job.update(len(outcomes) + len(pictures), f"drew {path.name}")
     return outcomes, pictures
+
+
+def _assessed(one, limits):
+    """The assessment of a result; None, with a note, where its motion allows none, as that of a stop."""
+    try:
+        return assess(one.results, limits)
+    except InputError as error:
+        one.notes.append(f"no assessment: {error}")
+        return None
 
 
 def _answer(several, folder, files, found, judged):

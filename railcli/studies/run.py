@@ -178,7 +178,7 @@ def _subsystems(prepared, outcome, folder, files, figures):
     from railcli.report import braking
 
     if figures:
-        files += braking.figures(prepared.scenario, prepared.system, outcome, folder)
+        files += braking.figures(prepared.scenario, outcome, prepared.system, folder)
     told = braking.as_json(prepared.scenario, prepared.system, outcome)
     return told, braking.lines(prepared.scenario, prepared.system, outcome)
 

@@ -97,6 +97,9 @@ def test_a_stop_is_told_drawn_and_recorded(written, tmp_path):
         assert file["energy/brake"][-1] > 0.0
         assert file["axles/W4/brake_pressure"].attrs["units"] == "Pa"
         assert 0.5 < file["time"][-1] - told["stop_time_s"] < 5.0
+    page = railcli("report", str(folder), "-o", str(tmp_path / "page"), "-q")
+    assert page.exit_code == 0, page.output
+    assert (tmp_path / "page/braking-1.png").exists() and "no assessment: " in page.output
 
 
 def test_a_guest_controls_the_valves(written, tmp_path):
