@@ -17,12 +17,12 @@ def warm(announce=None):
     Parameters
     ----------
     announce : callable, optional
-        Called with a sentence when this compiles, which takes some ten seconds once for each version of the kernels.
+        Called with a sentence when this compiles, which takes some minutes once for each version of the kernels.
     """
     if announce and jit.numba.config.DISABLE_JIT:
         announce("NUMBA_DISABLE_JIT is set: nothing is compiled, and all is a thousand times slower.")
     elif announce and not is_warm():
-        announce("Compiling the core (once for this version and machine, up to 30 s) ...")
+        announce("Compiling the core (once for this version and machine; some minutes) ...")
     for entry in CORE:
         entry.compiled()
     jit.forget_old_code()
@@ -47,7 +47,7 @@ def warm_tables(wheel, rail, settings, announce=None):
     from .certify_forces import certify_forces
 
     if announce and not jit.is_kept(LAST_OF_TABLES):
-        announce("Compiling the kernels of contact tables (once for this version and machine, up to 20 s) ...")
+        announce("Compiling the kernels of contact tables (once for this version and machine; a minute or so) ...")
     tiny = replace(
         settings, y_range=1e-3, y_step=1e-3, roll_range=1e-3, roll_step=1e-3, yaw_range=1e-3, yaw_count=2, fineness=1.0
     )
