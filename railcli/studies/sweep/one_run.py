@@ -165,7 +165,7 @@ def _steady(case, system, stretch):
     if stretch is None or not case.final_speed:
         raise InputError(
             case.name, f"has no steady motion: its last {case.average_over:g} m are not one straight or curve at one "
-            "speed; choose outputs of the groups end and assessment"
+            "speed; ask for end, assessment or, of a stop, statistics of channels (docs/sweep.md)"
         )  # fmt: skip
     return outputs.of_motion("steady", motion_of(case, system, stretch), sides_of(stretch))
 
